@@ -4,6 +4,7 @@ mod anisotropic;
 mod coulomb;
 mod field;
 mod load_dependent;
+mod metric;
 mod patch;
 mod resistance;
 mod several;
@@ -14,6 +15,7 @@ pub use anisotropic::AnisotropicCoulomb;
 pub use coulomb::{Coulomb, SmoothCoulomb};
 pub use field::FrictionField;
 pub use load_dependent::LoadDependentCoulomb;
+pub(crate) use metric::Metric;
 pub use patch::{FrictionPatch, Region};
 pub use resistance::{RollingResistance, WithResistance};
 pub(crate) use several::LawOfSurface;
@@ -91,8 +93,8 @@ pub trait SlidingFriction<R: Real = f64> {
     ///
     /// The provided method takes differences of [`force`](Self::force). The derivatives steer
     /// Newton's iteration: a small error in them costs iterations, not accuracy. If the force is
-    /// not opposite to the slip, [`anisotropy_at`](Self::anisotropy_at) has the rest of its
-    /// derivative.
+    /// not opposite to the slip, they are those of its component along the slip, and
+    /// [`metric_at`](Self::metric_at) tells its direction.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         jacobian_by_differences(|load, slip| self.force(load, slip), normal_force, slip)
@@ -134,24 +136,19 @@ pub trait SlidingFriction<R: Real = f64> {
         }
     }
 
-    /// Part of the derivative of [`force_at`](Self::force_at) with respect to the slip that
-    /// [`jacobian_at`](Self::jacobian_at) cannot contain, for a law whose force is not opposite to
-    /// the slip: the three rows of a symmetric matrix A (world axes, dimensionless).
+    /// Metric of a law whose force depends on the direction of the slip: the three rows of a
+    /// symmetric matrix M (world axes, dimensionless). The force is `M f(M u)` at the slip u, where
+    /// f is opposite to `M u`, and its size depends on the length of `M u` alone.
     ///
-    /// With the unit vector u along the slip and the projection P onto the surface, the derivative
-    /// is `-coefficient (P - growth · |slip|/width · u uᵀ + A)`.
+    /// A law with the coefficients μ₁ along a and μ₂ along b has `M = μ₁ a aᵀ + μ₂ b bᵀ`. A factor
+    /// that is common to all rows has no effect.
     ///
-    /// The provided method returns `None`, which costs nothing. A law whose derivative across the
-    /// slip differs from its coefficient by a factor of 2 or more needs this method: otherwise
-    /// implicit integrators do not find stick.
+    /// A law must return `Some` at every position, or `None` at every position. The provided method
+    /// returns `None`, which costs nothing. A law whose force is not opposite to the slip needs this
+    /// method: otherwise implicit integrators find stick slowly or not at all.
     #[inline]
-    fn anisotropy_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> Option<[R::Vec3; 3]> {
-        let _ = (position, normal_force, slip);
+    fn metric_at(&self, position: R::Vec3) -> Option<[R::Vec3; 3]> {
+        let _ = position;
         None
     }
 
@@ -261,13 +258,8 @@ macro_rules! forward {
                 (**self).jacobian_at(position, normal_force, slip)
             }
             #[inline]
-            fn anisotropy_at(
-                &self,
-                position: R::Vec3,
-                normal_force: R,
-                slip: R::Vec3,
-            ) -> Option<[R::Vec3; 3]> {
-                (**self).anisotropy_at(position, normal_force, slip)
+            fn metric_at(&self, position: R::Vec3) -> Option<[R::Vec3; 3]> {
+                (**self).metric_at(position)
             }
             #[inline]
             fn rolling_resistance_at(

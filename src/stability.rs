@@ -50,7 +50,7 @@
 
 use crate::contact::{Contact, Motion};
 use crate::force::{Force, Wrench};
-use crate::friction::{FrictionJacobian, SlidingFriction};
+use crate::friction::{FrictionJacobian, Metric, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
@@ -162,7 +162,7 @@ impl<R: Real> Response<R> {
         let (ground, friction_law) = contact.laws(frame.scene.ground(), frame.scene.friction());
         let load = ground.normal_force(contact.depth, contact.closing_speed);
         let jacobian = jacobian_at(&friction_law, load, contact);
-        let by_load = friction_by_load(&friction_law, load, contact, &jacobian);
+        let by_load = friction_by_load(&friction_law, contact, &jacobian);
         self.is_coupled |= by_load != R::Vec3::ZERO;
         let pushed = match self.load {
             Friction::GrowsWithLoad => normal + by_load,
@@ -177,11 +177,9 @@ impl<R: Real> Response<R> {
 
         let speed = contact.slip_velocity.length();
         let [along, across] = tangents(normal, contact.slip_velocity, speed);
-        let sliding = (R::ONE - jacobian.growth * speed / jacobian.width).at_least(R::ZERO);
-        let friction = jacobian.coefficient * contact.weight;
-        let more = anisotropy_at(&friction_law, load, contact, [along, across]);
-        for (direction, share) in [(along, sliding + more[0]), (across, R::ONE + more[1])] {
-            let damping = friction * share.at_least(R::ZERO);
+        let shares = friction_shares(&friction_law, contact, &jacobian, [along, across]);
+        for (direction, share) in [along, across].into_iter().zip(shares) {
+            let damping = jacobian.coefficient * contact.weight * share;
             self.add_damper(frame, direction, contact.arm.cross(direction), damping);
         }
         self.add_turning(frame, contact, load, [along, across]);
@@ -437,40 +435,35 @@ fn jacobian_at<R: Real, F: SlidingFriction<R>>(
 }
 
 /// Derivative of the friction force with respect to its load, dimensionless.
-///
-/// The Jacobian has its component along the slip. That of a law which is not isotropic points
-/// along its force, which is not opposite to the slip.
 fn friction_by_load<R: Real, F: SlidingFriction<R>>(
     friction: &F,
-    load: R,
     contact: &Contact<R>,
     jacobian: &FrictionJacobian<R>,
 ) -> R::Vec3 {
-    let (position, slip) = (contact.position, contact.slip_velocity);
-    let is_isotropic = friction.anisotropy_at(position, load, slip).is_none();
-    if is_isotropic || jacobian.coefficient <= R::ZERO {
-        return slip * -jacobian.per_load;
-    }
-    friction.force_at(position, load, slip) * (jacobian.per_load / jacobian.coefficient)
+    let slip = contact.slip_velocity;
+    let metric = Metric::of(friction, contact.position, slip);
+    metric.map_or(slip, |metric| metric.along_friction(slip)) * -jacobian.per_load
 }
 
-/// What a law that is not isotropic adds to the damping along two directions, relative to its
-/// coefficient. The coupling of the directions counts for both: the sum of the magnitudes in a row
-/// is an upper bound of an eigenvalue.
-fn anisotropy_at<R: Real, F: SlidingFriction<R>>(
+/// Derivative of the friction along the slip and across it, relative to its coefficient.
+///
+/// In a law that is not isotropic, the coupling of the two directions counts for both: the sum of
+/// the magnitudes in a row is an upper bound of an eigenvalue.
+fn friction_shares<R: Real, F: SlidingFriction<R>>(
     friction: &F,
-    load: R,
     contact: &Contact<R>,
-    directions: [R::Vec3; 2],
+    jacobian: &FrictionJacobian<R>,
+    [along, across]: [R::Vec3; 2],
 ) -> [R; 2] {
-    let Some([x, y, z]) = friction.anisotropy_at(contact.position, load, contact.slip_velocity)
-    else {
-        return [R::ZERO; 2];
+    let slip = contact.slip_velocity;
+    let Some(metric) = Metric::of(friction, contact.position, slip) else {
+        let weakening = jacobian.growth * slip.length() / jacobian.width;
+        return [(R::ONE - weakening).at_least(R::ZERO), R::ONE];
     };
-    let [along, across] = directions;
-    let times = |v: R::Vec3| R::Vec3::new(x.dot(v), y.dot(v), z.dot(v));
+    let [x, y, z] = metric.derivative(jacobian, slip);
+    let times = |v: R::Vec3| x * v.x() + y * v.y() + z * v.z();
     let coupling = along.dot(times(across)).abs();
-    directions.map(|direction| direction.dot(times(direction)) + coupling)
+    [along, across].map(|direction| (direction.dot(times(direction)) + coupling).at_least(R::ZERO))
 }
 
 /// Two unit vectors along the surface, the first along the slip if the slip is not zero.

@@ -9,7 +9,7 @@ use super::{
 };
 use derivatives::{Slide, inward};
 
-use crate::friction::{LawOfSurface, SlidingFriction};
+use crate::friction::{LawOfSurface, Metric, SlidingFriction};
 use crate::real::{Real, Vector};
 
 /// Range of positions, loads and slips for which a friction law is intended, with the surface. The
@@ -47,6 +47,8 @@ pub struct FrictionRange<R: Real = f64> {
 /// - The other numbers of `jacobian` are the derivatives of the coefficient, as differences of the
 ///   force show them to 32 square roots of the rounding. A growth that would be below 0 or above 1
 ///   is 0 or 1. Where a derivative jumps, any value between its two limits is right.
+/// - `metric_at` is always `Some` or never. It is symmetric to 16 units of rounding, and the force
+///   points along `-M M u` to the square root of the rounding.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, FrictionRange, check_friction};
@@ -167,6 +169,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         self.same_everywhere(load, slip, force)?;
         self.turning_at(load, slip)?;
         self.jacobian_at(load, slip, force)?;
+        self.metric_at(load, slip, force)?;
         self.derivatives_at(load * inward(), slip * inward())
     }
 
@@ -225,6 +228,34 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
             let braking = -(force.dot(slip) / speed);
             let off = (jacobian.coefficient * speed - braking).abs();
             let bound = (braking + force.length()) * R::EPSILON.sqrt() + unresolved();
+            demand_at_most(off, bound, fits, input)?;
+        }
+        Ok(())
+    }
+
+    fn metric_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {
+        let (input, fits) = (|| self.input(load, slip), Requirement::MetricFits);
+        let [found, always] = [self.position, R::Vec3::ZERO].map(|at| self.friction.metric_at(at));
+        let off = if found.is_some() == always.is_some() {
+            R::ZERO
+        } else {
+            R::ONE
+        };
+        demand_at_most(off, R::ZERO, fits, input)?;
+        let Some([x, y, z]) = found else {
+            return Ok(());
+        };
+        let size = x.length() + y.length() + z.length();
+        demand_finite(size, input)?;
+        let skew = R::Vec3::new(z.y() - y.z(), x.z() - z.x(), y.x() - x.y());
+        demand_at_most(skew.length(), size * ulps(16.0), fits, input)?;
+        // Products of smaller forces underflow.
+        let is_resolved = force.length().at_most(slip.length()) > unresolved::<R>().sqrt();
+        let metric = Metric::of(self.friction, self.position, slip);
+        if let (Some(metric), true) = (metric, is_resolved) {
+            let along = metric.along_friction(slip);
+            let off = force.cross(along).length();
+            let bound = force.length() * along.length() * R::EPSILON.sqrt();
             demand_at_most(off, bound, fits, input)?;
         }
         Ok(())

@@ -22,14 +22,6 @@ use crate::real::{Real, Vector, scaled, unit};
 ///   [`EnergyMomentum`](crate::EnergyMomentum) can gain energy there.
 /// - The force has a component across the slip, towards the direction of the smaller coefficient.
 ///   It is up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of the force.
-/// - With [`EnergyMomentum`](crate::EnergyMomentum), a step of an impact that ends in stick often
-///   finds no solution and is divided, and the result depends on the phase: in half of the impacts
-///   of a ball at a ratio of the coefficients of 0.4, a quarter at 0.6, none at 0.9.
-/// - With [`EnergyMomentum`](crate::EnergyMomentum), stick and rolling cost more at small slip
-///   speeds. A ball or a box in a wind takes five iterations a step at a slip speed of 1e-3 m/s,
-///   and at most twelve down to 1e-9 m/s if the ratio of the coefficients is 0.9. At a ratio of 0.5
-///   it takes 20 to 40 from 1e-5 m/s on, and steps are divided: 1 of 100 at 1e-5 m/s, up to 2 of 3
-///   at 1e-7, and nearly all at 1e-9.
 /// - It does not stick. It creeps as `Coulomb` does, with a slip speed of
 ///   `slip_speed · max(μ₁, μ₂)/μ`, where μ is the coefficient in the direction of the slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,39 +66,6 @@ impl<R: Real> AnisotropicCoulomb<R> {
         let [along, across] = self.coefficients;
         along.at_least(across)
     }
-
-    /// Derivative of the force with respect to the slip for a unit load, with the opposite sign, in
-    /// the axes of the grain, s/m. `components` are those of the slip, m/s.
-    ///
-    /// With `w = (μ₁ u₁, μ₂ u₂)` the force is `-μᵢ wᵢ/W`, `W = |w| + w₀`.
-    fn derivative(&self, components: [R; 2]) -> [[R; 2]; 2] {
-        let coefficients = self.coefficients;
-        let w = [0, 1].map(|i| coefficients[i] * components[i]);
-        let (u, speed) = direction_of(w);
-        let width = speed + self.larger() * self.slip_speed;
-        let share = speed / width;
-        [0, 1].map(|i| {
-            [0, 1].map(|j| {
-                let of_unit = identity::<R>(i, j) - u[i] * u[j] * share;
-                coefficients[i] * coefficients[j] * of_unit / width
-            })
-        })
-    }
-}
-
-/// Direction of a vector of two components, or 0, and its length.
-fn direction_of<R: Real>([x, y]: [R; 2]) -> ([R; 2], R) {
-    let length = (x * x + y * y).sqrt();
-    if length > R::ZERO {
-        ([x / length, y / length], length)
-    } else {
-        ([R::ZERO; 2], R::ZERO)
-    }
-}
-
-/// Element of the unit matrix.
-fn identity<R: Real>(i: usize, j: usize) -> R {
-    if i == j { R::ONE } else { R::ZERO }
 }
 
 impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
@@ -155,24 +114,10 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
         }
     }
 
-    fn anisotropy_at(&self, _: R::Vec3, _: R, slip: R::Vec3) -> Option<[R::Vec3; 3]> {
-        let jacobian = self.jacobian(R::ONE, slip);
-        if jacobian.coefficient <= R::ZERO {
-            return None;
-        }
-        let components = [self.along.dot(slip), self.across.dot(slip)];
-        let whole = self.derivative(components);
-        // What the scalar derivatives say.
-        let (u, speed) = direction_of(components);
-        let along_slip = jacobian.growth * speed / jacobian.width;
-        let more = |i: usize, j: usize| {
-            let isotropic = identity::<R>(i, j) - u[i] * u[j] * along_slip;
-            whole[i][j] / jacobian.coefficient - isotropic
-        };
-        let (a, b) = (self.along, self.across);
-        let of_a = a * more(0, 0) + b * more(0, 1);
-        let of_b = a * more(1, 0) + b * more(1, 1);
-        let row = |a: R, b: R| of_a * a + of_b * b;
+    #[inline]
+    fn metric_at(&self, _: R::Vec3) -> Option<[R::Vec3; 3]> {
+        let ([along, across], a, b) = (self.coefficients, self.along, self.across);
+        let row = |of_a: R, of_b: R| a * (along * of_a) + b * (across * of_b);
         Some([row(a.x(), b.x()), row(a.y(), b.y()), row(a.z(), b.z())])
     }
 

@@ -116,13 +116,8 @@ where
     }
 
     #[inline]
-    fn anisotropy_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> Option<[R::Vec3; 3]> {
-        (self.law_at)(position).anisotropy_at(position, normal_force, slip)
+    fn metric_at(&self, position: R::Vec3) -> Option<[R::Vec3; 3]> {
+        (self.law_at)(position).metric_at(position)
     }
 
     #[inline]

@@ -1,5 +1,6 @@
 //! Friction with one law in a region of the ground and another law around it.
 
+use super::metric::isotropic;
 use super::several::check_is_one;
 use super::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::error::{self, Rule, SceneError};
@@ -187,17 +188,18 @@ where
     }
 
     #[inline]
-    fn anisotropy_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> Option<[R::Vec3; 3]> {
-        if self.region.contains(position) {
-            self.inside.anisotropy_at(position, normal_force, slip)
+    fn metric_at(&self, position: R::Vec3) -> Option<[R::Vec3; 3]> {
+        let (inside, outside) = (
+            self.inside.metric_at(position),
+            self.outside.metric_at(position),
+        );
+        let (here, there) = if self.region.contains(position) {
+            (inside, outside)
         } else {
-            self.outside.anisotropy_at(position, normal_force, slip)
-        }
+            (outside, inside)
+        };
+        // A law has a metric everywhere or nowhere.
+        here.or(there.map(|_| isotropic::<R>()))
     }
 
     #[inline]

@@ -160,13 +160,8 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
     }
 
     #[inline]
-    fn anisotropy_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> Option<[R::Vec3; 3]> {
-        self.friction.anisotropy_at(position, normal_force, slip)
+    fn metric_at(&self, position: R::Vec3) -> Option<[R::Vec3; 3]> {
+        self.friction.metric_at(position)
     }
 
     #[inline]

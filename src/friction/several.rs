@@ -69,8 +69,7 @@ methods_of_one! {
     jacobian(normal_force: R, slip: R::Vec3) -> FrictionJacobian<R>, else FrictionJacobian::NONE;
     jacobian_at(position: R::Vec3, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R>,
         else FrictionJacobian::NONE;
-    anisotropy_at(position: R::Vec3, normal_force: R, slip: R::Vec3) -> Option<[R::Vec3; 3]>,
-        else None;
+    metric_at(position: R::Vec3) -> Option<[R::Vec3; 3]>, else None;
     rolling_resistance(normal_force: R) -> Option<RollingResistance<R>>, else None;
     rolling_resistance_at(position: R::Vec3, normal_force: R) -> Option<RollingResistance<R>>,
         else None;

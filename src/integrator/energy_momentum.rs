@@ -143,19 +143,17 @@ pub use workspace::Workspace;
 ///   the slip where its strain `dt c/m`, with c the force over the slip, would be above 128, and
 ///   the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's
 ///   fastest points, in world axes. Up to 1 of 200 oblique impacts at 1 to 4 m/s is still wrong by
-///   more than a hundredth of the momentum, and more of them with
-///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb). On hard ground the end of a steep impact
-///   depends on the slip speed: at 1e-6 m/s, 1 of 17 steeper than 53° has another end by more than
-///   a hundredth, which is that of a law with a slip speed of about 1e-4 of the speed. A ball that
-///   rolls out under resistance to rolling on ground so hard that its weight is carried at a depth
-///   `m g/k` below 3e-6 radii can roll up to 2.4 times as far.
+///   more than a hundredth of the momentum. On hard ground the end of a steep impact depends on the
+///   slip speed: at 1e-6 m/s, 1 of 17 steeper than 53° has another end by more than a hundredth,
+///   which is that of a law with a slip speed of about 1e-4 of the speed. A ball that rolls out
+///   under resistance to rolling on ground so hard that its weight is carried at a depth `m g/k`
+///   below 3e-6 radii can roll up to 2.4 times as far.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
 ///   points close together, can take up to nine. In `f32` the same holds down to 1e-7 m/s, for a
-///   body that hardly moves (*single precision*). With an
-///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb) law it takes more, or is divided. A rare
-///   step finds no stick and is divided. A body on a slope α then moves by up to `g sin α dt²/2`.
+///   body that hardly moves (*single precision*). A rare step finds no stick and is divided. A body
+///   on a slope α then moves by up to `g sin α dt²/2`.
 /// - *Work* is bounded: at most 31 attempts of at most 6 × 60 evaluations each. At most 4 downhill
 ///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
 ///   the energy, and one more for each doubling of the excess energy. In contact, both velocities

@@ -210,13 +210,8 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized, I: Inspector<R>> SlidingFriction<R
         self.friction.jacobian_at(position, normal_force, slip)
     }
     #[inline(always)]
-    fn anisotropy_at(
-        &self,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> Option<[R::Vec3; 3]> {
-        self.friction.anisotropy_at(position, normal_force, slip)
+    fn metric_at(&self, position: R::Vec3) -> Option<[R::Vec3; 3]> {
+        self.friction.metric_at(position)
     }
     #[inline(always)]
     fn depends_on_position(&self) -> bool {

@@ -8,6 +8,7 @@ use crate::kit::erased::Stepper;
 use crate::kit::{self, directions, log_uniform, point_mass};
 use core::f64::consts::TAU;
 use proptest::prelude::*;
+use tumble::contract::{CheckPlan, FrictionRange, check_friction};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     AirDrag, AnisotropicCoulomb, Coulomb, Cuboid, EnergyMomentum, FlatGround, LoadDependentCoulomb,
@@ -235,7 +236,7 @@ proptest! {
         }
     }
 
-    /// Coefficient, anisotropy and width together are the derivative of the force, against central
+    /// Coefficient, metric and width together are the derivative of the force, against central
     /// differences in two directions of the plane. Their error is nudge² and rounding over nudge.
     #[test]
     fn the_derivative_of_friction_with_a_grain_is_that_of_its_force(
@@ -247,8 +248,12 @@ proptest! {
         let law = AnisotropicCoulomb::on(normal, grain, coefficients, 1e-3);
         let slip = (slip - normal * normal.dot(slip)).normalize() * speed;
         let drag = law.jacobian(2.0, slip);
-        let [x, y, z] = law.anisotropy_at(DVec3::ZERO, 2.0, slip).unwrap();
-        let (u, nudge) = (slip / speed, 1e-5 * speed);
+        let nudge = 1e-5 * speed;
+        // Scaled so that it keeps the length of the slip.
+        let [x, y, z] = law.metric_at(DVec3::ZERO).unwrap();
+        let metric = DMat3::from_cols(x, y, z);
+        let metric = metric * (speed / (metric * slip).length());
+        let w = metric * slip / speed;
         // Largest derivative in any direction, for the load of 2 N.
         let larger = coefficients[0].max(coefficients[1]);
         let parts = [law.along.dot(slip), law.across.dot(slip)];
@@ -257,9 +262,9 @@ proptest! {
         for direction in [law.along, law.across] {
             let force = |by: f64| law.force(2.0, slip + direction * by);
             let found = (force(nudge) - force(-nudge)) / (2.0 * nudge);
-            let more = DVec3::new(x.dot(direction), y.dot(direction), z.dot(direction));
-            let weakened = u * (u.dot(direction) * drag.growth * speed / drag.width);
-            let told = (direction - weakened + more) * -drag.coefficient;
+            let within = metric * direction;
+            let weakened = w * (w.dot(within) * drag.growth * speed / drag.width);
+            let told = metric * (within - weakened) * -drag.coefficient;
             prop_assert!((found - told).length() < 1e-8 * steepest, "{found} and {told}");
         }
     }
@@ -435,54 +440,160 @@ proptest! {
     }
 }
 
-/// Iterations a step, and steps that are divided, of a ball or a box in a wind of 3 m/s.
-fn in_a_wind<B: RigidPointBody>(body: B, ratio: f64, slip_speed: f64) -> (f64, u32) {
-    let grain = DVec3::new(1.0, 1.0, 0.0);
-    let stepper = Stepper::builder(body)
-        .gravity(UniformGravity::down(G))
-        .ground(FlatGround::level(1500.0, 15.0))
-        .friction(AnisotropicCoulomb::on(
-            DVec3::Z,
-            grain,
-            [0.6, 0.6 * ratio],
-            slip_speed,
-        ))
-        .force(Wind {
-            velocity: DVec3::X * 3.0,
-            force: AirDrag::quadratic(0.5, 0.1, 1.2),
-        })
-        .integrator(EnergyMomentum { time_step: 1e-3 })
-        .build()
-        .unwrap();
-    let mut start = State::at(DVec3::Z * 0.2);
-    start.position.z -= stepper.lowest_point(&start).unwrap().gap + 1e-4;
-    let mut session = stepper.session(start);
-    let (mut iterations, mut divided) = (0, 0);
-    for _ in 0..1000 {
-        let step = session.step().unwrap();
-        (iterations, divided) = (
-            iterations + step.iterations,
-            divided + u32::from(step.fallback),
-        );
-    }
-    (f64::from(iterations) / 1000.0, divided)
+/// A blade that glides along x and holds along y. Its Jacobian is the provided one.
+struct Blade {
+    coefficients: DVec3,
+    slip_speed: f64,
 }
 
-/// The limits that [`AnisotropicCoulomb`] states: 5 iterations at 1e-3 m/s, 8 to 11.1 at a ratio of
-/// 0.9 below that, 22 to 38 at 0.5 (and up to 939 of these 1000 steps divided).
+impl SlidingFriction for Blade {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        let weighed = self.coefficients * slip;
+        self.coefficients * weighed * (-normal_force / (weighed.length() + self.slip_speed))
+    }
+    fn metric_at(&self, _: DVec3) -> Option<[DVec3; 3]> {
+        let DVec3 { x, y, .. } = self.coefficients;
+        Some([DVec3::X * x, DVec3::Y * y, DVec3::ZERO])
+    }
+}
+
+/// Ball and box of 0.2 kg.
+fn ball_and_box() -> [Box<dyn RigidPointBody>; 2] {
+    let size = DVec3::new(0.2, 0.15, 0.1);
+    [
+        Box::new(Sphere::solid(0.2, 0.1)),
+        Box::new(Cuboid::solid(0.2, size)),
+    ]
+}
+
+/// Largest mean number of iterations of a ball and a box that lie in a wind of 3 m/s with this
+/// friction. No step may be divided.
+fn iterations_in_a_wind<F: SlidingFriction>(friction: &F) -> f64 {
+    let of_bodies = ball_and_box().map(|body| {
+        let stepper = Stepper::builder(body)
+            .gravity(UniformGravity::down(G))
+            .ground(FlatGround::level(1500.0, 15.0))
+            .friction(friction)
+            .force(Wind {
+                velocity: DVec3::new(2.9, 0.8, 0.0),
+                force: AirDrag::quadratic(0.5, 0.1, 1.2),
+            })
+            .integrator(EnergyMomentum { time_step: 1e-3 })
+            .build()
+            .unwrap();
+        let mut start = State::at(DVec3::Z * 0.2);
+        start.position.z -= stepper.lowest_point(&start).unwrap().gap + 1e-4;
+        let mut session = stepper.session(start);
+        let mut sum = 0;
+        for _ in 0..1000 {
+            let step = session.step().unwrap();
+            assert!(!step.fallback);
+            sum += step.iterations;
+        }
+        f64::from(sum) / 1000.0
+    });
+    of_bodies.into_iter().fold(0.0, f64::max)
+}
+
+/// At most 10.1 are found, and 8.2 with equal coefficients.
 #[test]
-fn a_grain_with_similar_coefficients_lets_stick_cost_little_at_any_slip_speed() {
-    let ball = Sphere::solid(0.2, 0.1);
-    let brick = Cuboid::solid(0.2, DVec3::new(0.2, 0.15, 0.1));
+fn stick_with_a_grain_costs_about_what_it_costs_without_at_any_slip_speed() {
+    let grain = DVec3::new(1.0, 1.0, 0.0);
     for slip_speed in [1e-3, 1e-5, 1e-7, 1e-9] {
-        for (ratio, most) in [(0.9, 12.0), (0.5, 45.0)] {
-            for (iterations, divided) in [
-                in_a_wind(ball, ratio, slip_speed),
-                in_a_wind(brick, ratio, slip_speed),
-            ] {
-                assert!(iterations <= most, "{iterations}");
-                assert!(divided == 0 || ratio < 0.9, "{divided}");
+        for ratio in [1.0, 0.9, 0.5, 0.2, 0.05, 0.0] {
+            let law = AnisotropicCoulomb::on(DVec3::Z, grain, [0.6, 0.6 * ratio], slip_speed);
+            let iterations = iterations_in_a_wind(&law);
+            assert!(iterations <= 12.0, "{slip_speed} {ratio}: {iterations}");
+        }
+    }
+}
+
+#[test]
+fn a_users_law_with_a_metric_finds_stick() {
+    let range = FrictionRange {
+        centre: DVec3::ZERO,
+        size: 1.0,
+        normal: DVec3::Z,
+        normal_force: 10.0,
+        slip: 10.0,
+    };
+    for slip_speed in [1e-3, 1e-5, 1e-7, 1e-9] {
+        for along in [0.01, 0.1, 0.3, 0.5] {
+            let coefficients = DVec3::new(along, 0.5, 0.0);
+            let law = Blade {
+                coefficients,
+                slip_speed,
+            };
+            check_friction(&law, &range, CheckPlan::default()).unwrap();
+            let iterations = iterations_in_a_wind(&law);
+            assert!(iterations <= 12.0, "{slip_speed} {along}: {iterations}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(kit::cases(300))]
+
+    /// An impact that ends in stick often had no solution for Newton's method: of 2000 random
+    /// impacts at a ratio of 0.4, 364 to 1798 of a ball and 358 to 909 of a box were divided.
+    #[test]
+    fn impacts_on_a_grain_are_not_divided(
+        stiffness in log_uniform(1e4, 1e9),
+        ratio in 0.0..0.7_f64,
+        orientation in kit::orientations(),
+        [speed, closing_speed, spin] in [0.0..1.0_f64, 0.3..3.0_f64, 0.0..5.0_f64],
+        [heading, axis] in [directions(), directions()],
+    ) {
+        let law = AnisotropicCoulomb::on(DVec3::Z, DVec3::X, [0.6, 0.6 * ratio], 1e-4);
+        for body in ball_and_box() {
+            let stepper = Stepper::builder(body)
+                .gravity(UniformGravity::down(G))
+                .ground(FlatGround::level(stiffness, 1e-3 * stiffness.sqrt()))
+                .friction(law)
+                .integrator(EnergyMomentum { time_step: 1e-3 })
+                .build()
+                .unwrap();
+            let along = DVec3::new(heading.x, heading.y, 0.0) * speed;
+            let mut start = State::at(DVec3::Z * 0.2)
+                .with_orientation(orientation)
+                .with_linear_velocity(along - DVec3::Z * closing_speed)
+                .with_angular_momentum(axis * (spin * 1e-3));
+            start.position.z -= stepper.lowest_point(&start).unwrap().gap;
+            let mut session = stepper.session(start);
+            for _ in 0..60 {
+                prop_assert!(!session.step().unwrap().fallback);
             }
+        }
+    }
+}
+
+/// Dampers that a step of 10 ms does not resolve take an impact of a sliding box back. The friction
+/// has the direction of the law and its size for the impulse that is left, as with small steps.
+#[test]
+fn the_friction_of_a_damped_impact_on_a_grain_is_that_of_the_law() {
+    let law = AnisotropicCoulomb::on(DVec3::Z, DVec3::X, [0.6, 0.2], 1e-6);
+    let friction_per_impulse = |damping: f64, time_step: f64| {
+        let stepper = Stepper::builder(Cuboid::solid(0.2, DVec3::new(0.2, 0.15, 0.02)))
+            .ground(FlatGround::level(1e4, damping))
+            .friction(law)
+            .integrator(EnergyMomentum { time_step })
+            .build()
+            .unwrap();
+        let mut start = State::at(DVec3::Z * 0.01);
+        start.linear_velocity = DVec3::new(3.0, 4.0, -1.0);
+        let mut end = start;
+        stepper.advance(&mut end, 3.0).unwrap();
+        let change = end.linear_velocity - start.linear_velocity;
+        change / change.z
+    };
+    for damping in [100.0, 1000.0] {
+        let fine = friction_per_impulse(damping, 1e-4);
+        for time_step in [1e-3, 1e-2] {
+            let found = friction_per_impulse(damping, time_step);
+            assert!(
+                (found - fine).length() < 0.015,
+                "{damping} {time_step}: {found} {fine}"
+            );
         }
     }
 }

@@ -177,3 +177,46 @@ fn a_rolling_resistance_has_no_torque_without_load_and_a_rotation_speed_above_0(
     let found = check(&negative).turning_at(LOAD, SLIP);
     assert_found(found, Requirement::TurningOpposes, [-0.3, 0.0]);
 }
+
+/// Friction of 0.5 along x and 0.2 along y, with a metric of these rows, or none at the origin.
+struct Grained {
+    rows: [DVec3; 3],
+    is_everywhere: bool,
+}
+
+impl SlidingFriction for Grained {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        let weighed = DVec3::new(0.5, 0.2, 0.0) * slip;
+        DVec3::new(0.5, 0.2, 0.0) * weighed.normalize_or_zero() * -normal_force
+    }
+    fn metric_at(&self, position: DVec3) -> Option<[DVec3; 3]> {
+        (self.is_everywhere || position != DVec3::ZERO).then_some(self.rows)
+    }
+}
+
+#[test]
+fn a_metric_is_symmetric_and_tells_the_direction_of_the_force() {
+    let check = |x: [f64; 3], y: [f64; 3], is_everywhere: bool| {
+        let law = Grained {
+            rows: [DVec3::from(x), DVec3::from(y), DVec3::ZERO],
+            is_everywhere,
+        };
+        let check = Check {
+            friction: &law,
+            normal: DVec3::Z,
+            position: AT,
+            centre: DVec3::ZERO,
+        };
+        check.at(LOAD, SLIP).map_err(|told| told.requirement)
+    };
+    assert_eq!(check([0.5, 0.0, 0.0], [0.0, 0.2, 0.0], true), Ok(()));
+    // A factor of all rows has no effect.
+    assert_eq!(check([5.0, 0.0, 0.0], [0.0, 2.0, 0.0], true), Ok(()));
+    let fault = Err(Requirement::MetricFits);
+    assert_eq!(check([0.5, 0.0, 0.0], [0.0, 0.201, 0.0], true), fault);
+    assert_eq!(check([0.5, 0.0, 0.0], [0.0, 0.0, 0.0], true), fault);
+    assert_eq!(check([0.5, 1e-6, 0.0], [0.0, 0.2, 0.0], true), fault);
+    assert_eq!(check([0.5, 0.0, 0.0], [0.0, 0.2, 0.0], false), fault);
+    let finite = Err(Requirement::Finite);
+    assert_eq!(check([f64::NAN, 0.0, 0.0], [0.0, 0.2, 0.0], true), finite);
+}

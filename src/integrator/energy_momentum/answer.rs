@@ -1,7 +1,7 @@
 //! The response of friction at a contact to its slip, which Newton's matrix contains.
 
 use super::block::Block;
-use super::dual::{Dual, Linear, direction, on_disc};
+use super::dual::{Dual, Linear, direction, on_disc, weighed};
 use super::problem::{Problem, Trial};
 use super::touch::{Increment, Touch};
 use crate::friction::FrictionJacobian;
@@ -32,12 +32,6 @@ impl<R: Real> Answer<R> {
             dual,
             slip_direction: direction::<R>(slip),
         }
-    }
-
-    /// Excess of the dual force over the friction of the law, N.
-    #[inline]
-    pub(super) fn excess_of_dual(&self) -> R::Vec3 {
-        (self.slip - self.dual * self.jacobian.width) * self.jacobian.coefficient
     }
 }
 
@@ -75,12 +69,12 @@ impl<R: Real> Touch<R> {
         let jacobian = self.jacobian(problem);
         let dual = match &self.dual {
             Dual::After(dual) => *dual,
-            Dual::At(last) => on_disc::<R>(last.after(slip)),
+            Dual::At(last) => on_disc::<R>(self.dual_after(problem, last)),
             // A slide that the step can hardly brake begins with Newton's own derivative.
             Dual::Unknown
                 if jacobian.coefficient * problem.seconds < problem.mass * R::from_f64(HARDLY) =>
             {
-                slip * (R::ONE / jacobian.width)
+                self.dual_of_law(problem, slip, &jacobian)
             }
             _ => {
                 // Field by field, so that the answer of a slide stays in registers.
@@ -110,18 +104,22 @@ impl<R: Real> Touch<R> {
             Answer::at(
                 self.push.slip,
                 *jacobian,
-                self.push.slip * (R::ONE / jacobian.width),
+                self.dual_of_law(problem, self.push.slip, jacobian),
             )
         })
     }
 
     /// Response of friction with these derivatives and the dual unknown that continues.
     #[inline]
-    pub(super) fn continued_answer(&self, jacobian: FrictionJacobian<R>) -> Answer<R> {
+    pub(super) fn continued_answer<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        jacobian: FrictionJacobian<R>,
+    ) -> Answer<R> {
         let slip = self.push.slip;
         let dual = match &self.dual {
-            Dual::Unknown => slip * (R::ONE / jacobian.width),
-            Dual::At(last) => on_disc::<R>(last.after(slip)),
+            Dual::Unknown => self.dual_of_law(problem, slip, &jacobian),
+            Dual::At(last) => on_disc::<R>(self.dual_after(problem, last)),
             Dual::After(dual) => *dual,
         };
         Answer::at(slip, jacobian, dual)
@@ -145,7 +143,7 @@ impl<R: Real> Touch<R> {
         let velocity = problem.motion.velocity_at(arm) - problem.ground_velocity(arm, n);
         let slip_at_start = velocity - n * n.dot(velocity);
         let at_start = self.jacobian_at(problem, slip_at_start);
-        let dual_at_start = slip_at_start * (R::ONE / at_start.width);
+        let dual_at_start = self.dual_of_law(problem, slip_at_start, &at_start);
         // Along a rim that rolls or spins, friction reverses, and points near its reversal have a
         // small slip for that reason. The reversal has a derivative of its own.
         let is_rim = problem.has_rims();
@@ -155,7 +153,8 @@ impl<R: Real> Touch<R> {
         if sticks {
             Answer::at(slip_at_start, at_start, dual_at_start)
         } else if is_rim && slip_at_start.dot(slip) < R::ZERO {
-            Answer::at(slip, *jacobian, slip * (R::ONE / jacobian.width))
+            let dual = self.dual_of_law(problem, slip, jacobian);
+            Answer::at(slip, *jacobian, dual)
         } else {
             Answer::at(slip, *jacobian, dual_at_start)
         }
@@ -172,11 +171,69 @@ impl<R: Real> Touch<R> {
         let dual = match &self.dual {
             Dual::At(at) if to_dual => at.direction,
             Dual::After(dual) if to_dual => *dual,
-            Dual::At(at) if at.slip != slip => at.after(slip),
+            Dual::At(at) if at.slip != slip => self.dual_after(problem, at),
             _ => return R::Vec3::ZERO,
         };
-        let jacobian = self.jacobian(problem);
-        (slip - dual * jacobian.width) * jacobian.coefficient
+        self.excess_of_dual(problem, dual, &self.jacobian(problem))
+    }
+
+    /// Excess of the force of a dual unknown over the friction of the law at the last trial, N.
+    #[inline]
+    pub(super) fn excess_of_dual<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        dual: R::Vec3,
+        jacobian: &FrictionJacobian<R>,
+    ) -> R::Vec3 {
+        let slip = self.push.slip;
+        let metric = self.metric(problem, slip);
+        let excess = weighed(slip, metric.as_ref()) - dual * jacobian.width;
+        weighed(excess, metric.as_ref()) * jacobian.coefficient
+    }
+
+    /// Derivative of the friction of the last slip with respect to the normal force.
+    #[inline]
+    pub(super) fn friction_of_unit_load<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        jacobian: &FrictionJacobian<R>,
+    ) -> R::Vec3 {
+        self.along_friction(problem, self.push.slip) * -jacobian.per_load
+    }
+
+    /// Friction of a slip, divided by the negative coefficient: the slip itself, if the law is
+    /// isotropic.
+    #[inline]
+    fn along_friction<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        slip: R::Vec3,
+    ) -> R::Vec3 {
+        let metric = self.metric(problem, slip);
+        metric.map_or(slip, |metric| metric.along_friction(slip))
+    }
+
+    /// Dual unknown of the law itself at a slip: its force divided by the limit.
+    #[inline]
+    fn dual_of_law<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        slip: R::Vec3,
+        jacobian: &FrictionJacobian<R>,
+    ) -> R::Vec3 {
+        let metric = self.metric(problem, slip);
+        weighed(slip, metric.as_ref()) * (R::ONE / jacobian.width)
+    }
+
+    /// Dual unknown after Newton's step to the last slip.
+    #[inline]
+    pub(super) fn dual_after<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        last: &Linear<R>,
+    ) -> R::Vec3 {
+        let metric = self.metric(problem, last.slip);
+        last.after(self.push.slip, metric.as_ref())
     }
 
     /// Derivative of the last linear force with respect to the normal force.
@@ -185,7 +242,8 @@ impl<R: Real> Touch<R> {
             Dual::At(at) => at.slip,
             _ => self.push.slip,
         };
-        self.push.normal - slip * self.jacobian_at(problem, slip).per_load
+        self.push.normal
+            - self.along_friction(problem, slip) * self.jacobian_at(problem, slip).per_load
     }
 
     /// Gives a contact that is not stored the dual unknown at a trial before the last one, advanced

@@ -486,14 +486,13 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Computes the Jacobian of friction at the last trial step, which was `trial`, for the
-    /// contacts that reach the ground. Calls `visit` with the motion and force of each contact and
-    /// that Jacobian.
+    /// contacts that reach the ground. Calls `visit` with each contact and that Jacobian.
     #[inline(always)]
     pub(super) fn answer<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        mut visit: impl FnMut(&Push<R>, &Answer<R>),
+        mut visit: impl FnMut(&Touch<R>, &Answer<R>),
     ) {
         if self.has_others() {
             self.note(trial);
@@ -502,7 +501,7 @@ impl<R: Real> Contacts<R> {
             if touch.push.is_active() {
                 let answer = touch.answer(problem);
                 touch.remember(&answer);
-                visit(&touch.push, &answer);
+                visit(touch, &answer);
             }
         }
     }
@@ -512,11 +511,11 @@ impl<R: Real> Contacts<R> {
     pub(super) fn recall<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        mut visit: impl FnMut(&Push<R>, &FrictionJacobian<R>),
+        mut visit: impl FnMut(&Touch<R>, &FrictionJacobian<R>),
     ) {
         for touch in self.touches.iter().take(self.remembered) {
             if touch.push.is_active() {
-                visit(&touch.push, &touch.jacobian(problem));
+                visit(touch, &touch.jacobian(problem));
             }
         }
     }
@@ -527,12 +526,12 @@ impl<R: Real> Contacts<R> {
         &self,
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
-        visit: &mut dyn FnMut(&Push<R>, &FrictionJacobian<R>),
+        visit: &mut dyn FnMut(&Touch<R>, &FrictionJacobian<R>),
     ) {
-        self.recall(problem, |push, jacobian| visit(push, jacobian));
+        self.recall(problem, |touch, jacobian| visit(touch, jacobian));
         if self.has_others() {
             self.visit_others(problem, trial, &mut |touch, _| {
-                visit(&touch.push, &touch.jacobian(problem));
+                visit(touch, &touch.jacobian(problem));
             });
         }
     }
@@ -621,7 +620,7 @@ impl<R: Real> Contacts<R> {
         };
         // Nothing came before the first trial that was noted.
         touch.look_back(problem, since, (self.notes > 1).then_some(first));
-        touch.continued_answer(jacobian)
+        touch.continued_answer(problem, jacobian)
     }
 }
 

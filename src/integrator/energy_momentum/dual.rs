@@ -1,5 +1,9 @@
 //! Newton's dual unknown of a contact: friction divided by its limit, as a function of the slip.
+//!
+//! A law that is not isotropic is so in its metric: with `w = M u` its force is `-c M w`. The dual
+//! unknown is then that of w, and its limit is the unit disc for each direction of the slip.
 
+use crate::friction::Metric;
 use crate::real::{Real, Vector};
 
 /// Newton's dual unknown of a contact: friction divided by its limit, a vector of length at most 1.
@@ -26,12 +30,19 @@ pub(super) struct Linear<R: Real> {
 
 impl<R: Real> Linear<R> {
     /// Dual unknown after Newton's step from the slip u to the slip u':
-    /// `(u' - w' g (û·(u' - u)))/w` (Chan, Golub & Mulet 1999).
+    /// `(u' - w' g (û·(u' - u)))/w` (Chan, Golub & Mulet 1999), in the metric of the law for u.
     #[inline]
-    pub(super) fn after(&self, slip: R::Vec3) -> R::Vec3 {
-        let change = (slip - self.slip).dot(direction::<R>(self.slip));
-        (slip - self.direction * (self.growth * change)) * (R::ONE / self.width)
+    pub(super) fn after(&self, slip: R::Vec3, metric: Option<&Metric<R>>) -> R::Vec3 {
+        let [from, to] = [self.slip, slip].map(|slip| weighed(slip, metric));
+        let change = (to - from).dot(direction::<R>(from));
+        (to - self.direction * (self.growth * change)) * (R::ONE / self.width)
     }
+}
+
+/// Vector in the metric of a law, if it has one.
+#[inline]
+pub(super) fn weighed<R: Real>(vector: R::Vec3, metric: Option<&Metric<R>>) -> R::Vec3 {
+    metric.map_or(vector, |metric| metric.times(vector))
 }
 
 /// Unit vector along `slip`, or 0.

@@ -96,7 +96,7 @@ impl<R: Real> Strain<R> {
         others: Self,
     ) -> Self {
         let mut strain = others;
-        contacts.recall(problem, |push, jacobian| strain.add(push, jacobian));
+        contacts.recall(problem, |touch, jacobian| strain.add(&touch.push, jacobian));
         strain
     }
 
@@ -156,8 +156,8 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>>(
             let mean = problem.mean_angular_velocity(trial);
             sum.add_turning(turning, correction.motion.angular_velocity - mean);
         }
-        contacts.recall_all(problem, trial, &mut |push, jacobian| {
-            is_limited |= correction.add(&mut sum, push, jacobian, after.as_ref());
+        contacts.recall_all(problem, trial, &mut |touch, jacobian| {
+            is_limited |= correction.add(&mut sum, touch, jacobian, after.as_ref());
         });
         if passes > 1 && problem.resists_turning() {
             let rotation = problem.mean_rotation(trial);
@@ -192,10 +192,11 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
     fn add(
         &self,
         sum: &mut Resistance<R>,
-        push: &Push<R>,
+        touch: &Touch<R>,
         jacobian: &FrictionJacobian<R>,
         after: Option<&Motion<R>>,
     ) -> bool {
+        let push = &touch.push;
         let n = self.end_normal(push);
         let place = push.end_arm - n * push.radius;
         let end = self.motion.velocity_at(place);
@@ -204,7 +205,7 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         let rising = self.rising(push);
         let (across, is_limited) = self.across(push, (n, place), after);
         // A slide has the friction of the load that the damper leaves.
-        let pushed = n - push.slip * jacobian.per_load;
+        let pushed = n + touch.friction_of_unit_load(self.problem, jacobian);
         sum.add(
             place,
             [n, pushed],

@@ -341,19 +341,6 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// [`SlidingFriction::anisotropy_at`].
-    #[inline]
-    pub(super) fn anisotropy(
-        &self,
-        surface: u32,
-        position: R::Vec3,
-        normal_force: R,
-        slip: R::Vec3,
-    ) -> Option<[R::Vec3; 3]> {
-        let law = self.law(surface);
-        law.anisotropy_at(position, normal_force, slip)
-    }
-
     /// A slip of the size of the [resolution](Self::slip_resolution) in the direction of one that
     /// is below it.
     #[inline(always)]

@@ -7,11 +7,13 @@
 use super::answer::Answer;
 use super::block::Block;
 use super::contacts::Contacts;
+use super::dual::direction;
 use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
 use super::problem::{Problem, Trial};
 use super::touch::{Push, Touch};
+use crate::friction::Metric;
 use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;
 
@@ -63,10 +65,10 @@ impl<R: Real> Others<R> {
             let push = &touch.push;
             others.strain.add(push, &answer.jacobian);
             if problem.is_bare {
-                let path = of_level_path(problem, push, &answer);
+                let path = of_level_path(problem, touch, &answer);
                 level.add(&path, push.force, push.arm, push.end_arm);
             } else {
-                others.differentiate(problem, trial, &argument, push, &answer);
+                others.differentiate(problem, trial, &argument, touch, &answer);
             }
         });
         if problem.is_bare {
@@ -88,7 +90,8 @@ impl<R: Real> Others<R> {
         let [of_law, of_dual] = &mut self.excess;
         // Of the two, the second matters from the second iteration on only.
         let (sum, excess) = if answer.slip == touch.push.slip {
-            (of_dual, answer.excess_of_dual())
+            let excess = touch.excess_of_dual(problem, answer.dual, &answer.jacobian);
+            (of_dual, excess)
         } else {
             touch.remember(answer);
             (of_law, touch.excess(problem, false))
@@ -104,12 +107,13 @@ impl<R: Real> Others<R> {
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
         argument: &Block<R>,
-        push: &Push<R>,
+        touch: &Touch<R>,
         answer: &Answer<R>,
     ) {
+        let push = &touch.push;
         let by_turn = push.path_by_turn(problem, trial, argument);
         let by_turns = (argument, by_turn.as_ref());
-        add_anywhere(problem, push, answer, by_turns, &mut self.equations);
+        add_anywhere(problem, touch, answer, by_turns, &mut self.equations);
         let share = share_of_arm(problem);
         self.equations
             .add_rotation(push.end_arm, push.force * share);
@@ -138,16 +142,18 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     let mut strain = others.map_or(Strain::NONE, |others| others.strain);
     if problem.is_bare {
         let mut level = Level::ZERO;
-        contacts.answer(problem, trial, |push, answer| {
+        contacts.answer(problem, trial, |touch, answer| {
+            let push = &touch.push;
             strain.add(push, &answer.jacobian);
-            let path = of_level_path(problem, push, answer);
+            let path = of_level_path(problem, touch, answer);
             level.add(&path, push.force, push.arm, push.end_arm);
         });
         level.equations(mass, &inertia, share, equations);
     } else {
         *equations = SixBySix::of_body(mass, &inertia);
         let by_turn_of_first = contacts.differentiate_path(problem, trial, &argument);
-        contacts.answer(problem, trial, |push, answer| {
+        contacts.answer(problem, trial, |touch, answer| {
+            let push = &touch.push;
             strain.add(push, &answer.jacobian);
             let by_turn = if problem.surfaces() > 1 {
                 push.path_by_turn(problem, trial, &argument)
@@ -155,7 +161,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
                 by_turn_of_first
             };
             let by_turns = (&argument, by_turn.as_ref());
-            add_anywhere(problem, push, answer, by_turns, equations);
+            add_anywhere(problem, touch, answer, by_turns, equations);
             equations.add_rotation(push.end_arm, push.force * share);
         });
         // Without this term the iteration converges, but not quadratically. In f64 it still reaches
@@ -180,12 +186,13 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
 #[inline(never)]
 fn add_anywhere<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    push: &Push<R>,
+    touch: &Touch<R>,
     answer: &Answer<R>,
     (argument, path_by_turn): (&Block<R>, Option<&Block<R>>),
     equations: &mut SixBySix<R>,
 ) {
-    let path = of_path(problem, push, answer);
+    let push = &touch.push;
+    let path = of_path(problem, touch, answer);
     let mut turn = path.map(|row| push.end_arm.cross(row));
     if push.radius > R::ZERO {
         // The change of the Cayley argument moves the point below the centre of a contact.
@@ -236,9 +243,13 @@ fn inertial<R: Real, D>(
 #[inline(always)]
 fn of_path<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    push: &Push<R>,
+    touch: &Touch<R>,
     answer: &Answer<R>,
 ) -> [R::Vec3; 3] {
+    let push = &touch.push;
+    if let Some(metric) = touch.metric(problem, answer.slip) {
+        return of_path_in_metric(problem, push, answer, &metric);
+    }
     let n = push.normal;
     // Rounding leaves a slow slip with a part along the normal. The path along the normal may be so
     // much longer than the slip that this part must not count.
@@ -248,28 +259,42 @@ fn of_path<R: Real, D: Dynamics<R>>(
     let across = loaded * (push.mean.slope * (problem.seconds * R::HALF)) - n * c;
     let along = answer.dual * (-c * answer.jacobian.growth);
     let row = |across: R, along: R| n * across + u * along;
-    let mut rows = [
+    [
         row(across.x(), along.x()) + R::Vec3::new(c, R::ZERO, R::ZERO),
         row(across.y(), along.y()) + R::Vec3::new(R::ZERO, c, R::ZERO),
         row(across.z(), along.z()) + R::Vec3::new(R::ZERO, R::ZERO, c),
-    ];
-    if let Some(more) = anisotropy(problem, push, answer) {
-        for (row, more) in rows.iter_mut().zip(more) {
-            *row += more * c;
-        }
-    }
-    rows
+    ]
 }
 
-/// What a friction law that is not isotropic adds to the derivative, divided by its coefficient.
-#[inline(always)]
-fn anisotropy<R: Real, D: Dynamics<R>>(
+/// Rows as of [`of_path`] for friction that is isotropic in a metric M: with `w = M u` those of
+/// `dt/2 (k (n - M wₙ) nᵀ + c/dt M (1 - w' g ŵᵀ) M (1 - n nᵀ))`.
+#[cold]
+#[inline(never)]
+fn of_path_in_metric<R: Real, D>(
     problem: &Problem<'_, R, D>,
     push: &Push<R>,
     answer: &Answer<R>,
-) -> Option<[R::Vec3; 3]> {
-    let position = problem.motion.position + push.arm;
-    problem.anisotropy(push.surface, position, push.mean.force, answer.slip)
+    metric: &Metric<R>,
+) -> [R::Vec3; 3] {
+    let (n, jacobian) = (push.normal, &answer.jacobian);
+    let w = metric.times(answer.slip);
+    let along = direction::<R>(w);
+    let column = |path: R::Vec3| {
+        let rise = n.dot(path);
+        let slip = metric.times(path - n * rise);
+        let weakened = slip - answer.dual * (jacobian.growth * along.dot(slip));
+        let loaded = n - metric.along_friction(answer.slip) * jacobian.per_load;
+        let by_load = loaded * (push.mean.slope * problem.seconds * rise);
+        (metric.times(weakened) * jacobian.coefficient + by_load) * R::HALF
+    };
+    let (o, one) = (R::ZERO, R::ONE);
+    let axes = [
+        R::Vec3::new(one, o, o),
+        R::Vec3::new(o, one, o),
+        R::Vec3::new(o, o, one),
+    ];
+    let [x, y, z] = axes.map(column);
+    Block::<R> { x, y, z }.rows()
 }
 
 /// Derivative of the force as in [`of_path`], on level ground: n is the third axis, and no slip
@@ -277,27 +302,29 @@ fn anisotropy<R: Real, D: Dynamics<R>>(
 #[inline(always)]
 fn of_level_path<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    push: &Push<R>,
+    touch: &Touch<R>,
     answer: &Answer<R>,
 ) -> LevelPath<R> {
+    let push = &touch.push;
+    if let Some(metric) = touch.metric(problem, answer.slip) {
+        let [x, y, z] = of_path_in_metric(problem, push, answer, &metric);
+        return LevelPath {
+            columns: [[x.x(), y.x()], [x.y(), y.y()], [x.z(), y.z()]],
+            rise: z.z(),
+        };
+    }
     let (slip, dual, u) = (answer.slip, answer.dual, answer.slip_direction);
     let c = answer.jacobian.coefficient * R::HALF;
     let rise = push.mean.slope * (problem.seconds * R::HALF);
     let loaded = -(answer.jacobian.per_load * rise);
     let growth = -(c * answer.jacobian.growth);
     let along = [dual.x() * growth, dual.y() * growth];
-    let mut path = LevelPath {
+    LevelPath {
         columns: [
             [along[0] * u.x() + c, along[1] * u.x()],
             [along[0] * u.y(), along[1] * u.y() + c],
             [slip.x() * loaded, slip.y() * loaded],
         ],
         rise,
-    };
-    if let Some([by_x, by_y, _]) = anisotropy(problem, push, answer) {
-        let [x, y, _] = &mut path.columns;
-        (x[0], x[1]) = (x[0] + by_x.x() * c, x[1] + by_y.x() * c);
-        (y[0], y[1]) = (y[0] + by_x.y() * c, y[1] + by_y.y() * c);
     }
-    path
 }

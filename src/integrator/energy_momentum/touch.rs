@@ -6,7 +6,7 @@ use super::lever::Lever;
 use super::problem::{Problem, Trial};
 use crate::body::ContactPoint;
 use crate::contact::MovingContact;
-use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
+use crate::friction::{FrictionJacobian, Metric, RollingResistance, SlidingFriction};
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
@@ -361,6 +361,19 @@ impl<R: Real> Touch<R> {
         }
     }
 
+    /// Metric of the friction law, scaled for a slip, if the law is not isotropic.
+    #[inline]
+    pub(super) fn metric<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        slip: R::Vec3,
+    ) -> Option<Metric<R>> {
+        let law = problem.law(self.push.surface);
+        // The position costs much, and a law has a metric everywhere or nowhere.
+        law.metric_at(R::Vec3::ZERO)?;
+        Metric::of(&law, self.friction_position(problem), slip)
+    }
+
     /// Returns true if there is a force, or if Newton's last step has predicted one.
     #[inline(always)]
     fn may_be_active(&self) -> bool {
@@ -533,7 +546,7 @@ impl<R: Real> Touch<R> {
         self.push.slip += self.push.slip_by(problem, by, path_by_turn);
         if let Dual::At(at) = &self.dual {
             self.before = at.direction;
-            self.dual = Dual::After(on_disc::<R>(at.after(self.push.slip)));
+            self.dual = Dual::After(on_disc::<R>(self.dual_after(problem, at)));
         }
     }
 }

@@ -184,6 +184,14 @@ fn assert_all_pass<R: Real>(range: &FrictionRange<R>, octaves: u32) {
                 radius: range.size,
             },
         });
+        pass(&FrictionPatch {
+            outside: coulomb,
+            inside: wood,
+            region: Region::Ball {
+                centre: range.centre,
+                radius: range.size,
+            },
+        });
         pass(&FrictionField::new(move |position: R::Vec3| Coulomb {
             coefficient: coulomb.coefficient * (R::ONE + position.x() * position.x()),
             ..coulomb

@@ -27,7 +27,7 @@
 
 use super::linear::Rows;
 use crate::contact::{Contact, Motion};
-use crate::friction::SlidingFriction;
+use crate::friction::{FrictionJacobian, Metric, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::integrator::energy_momentum::Block;
 use crate::real::{Real, Vector};
@@ -195,21 +195,28 @@ fn by_motion<R: Real, D: Dynamics<R>>(
         slip * (noise / length)
     };
     let jacobian = friction.jacobian_at(contact.position, load, known_slip);
-    let loaded = n - slip * jacobian.per_load;
+    let metric = Metric::of(&friction, contact.position, known_slip);
+    let along = metric.map_or(slip, |metric| metric.along_friction(slip));
+    let loaded = n - along * jacobian.per_load;
     let pushed = Block::outer(loaded, n).scaled(-contact.weight);
-    let weakening = if is_known && length > R::ZERO {
-        jacobian.growth / (length * jacobian.width)
-    } else {
-        R::ZERO
+    let in_surface = match metric {
+        Some(metric) => {
+            let growth = if is_known { jacobian.growth } else { R::ZERO };
+            let [x, y, z] = metric.derivative(&FrictionJacobian { growth, ..jacobian }, known_slip);
+            Block { x, y, z }
+        }
+        None => {
+            let weakening = if is_known && length > R::ZERO {
+                jacobian.growth / (length * jacobian.width)
+            } else {
+                R::ZERO
+            };
+            Block::diagonal(R::ONE)
+                .plus(&Block::outer(-n, n))
+                .plus(&Block::outer(slip * -weakening, slip))
+        }
     };
-    let anisotropy = friction
-        .anisotropy_at(contact.position, load, known_slip)
-        .map_or(Block::ZERO, |[x, y, z]| Block { x, y, z });
-    let in_surface = Block::diagonal(R::ONE)
-        .plus(&Block::outer(-n, n))
-        .plus(&Block::outer(slip * -weakening, slip))
-        .plus(&anisotropy)
-        .scaled(-(jacobian.coefficient * contact.weight));
+    let in_surface = in_surface.scaled(-(jacobian.coefficient * contact.weight));
     let by_path = pushed.scaled(stiffness);
     let by_velocity = pushed.scaled(damping).plus(&in_surface);
     let width = if jacobian.coefficient > R::ZERO {
