@@ -144,8 +144,8 @@ pub trait SlidingFriction<R: Real = f64> {
     /// that is common to all rows has no effect.
     ///
     /// A law must return `Some` at every position, or `None` at every position. The provided method
-    /// returns `None`, which costs nothing. A law whose force is not opposite to the slip needs this
-    /// method: otherwise implicit integrators find stick slowly or not at all.
+    /// returns `None`, which costs nothing. A law whose force is not opposite to the slip needs
+    /// this method: otherwise implicit integrators find stick slowly or not at all.
     #[inline]
     fn metric_at(&self, position: R::Vec3) -> Option<[R::Vec3; 3]> {
         let _ = position;
