@@ -4,6 +4,7 @@
 mod bogacki_shampine_32;
 mod bounce;
 mod dormand_prince_54;
+mod edge;
 mod embedded_pair;
 mod energy_momentum;
 mod method;

@@ -20,6 +20,7 @@ mod flight;
 mod force_stability;
 mod free_rotation;
 mod free_steps;
+mod ground_edges;
 mod growth;
 mod limiter;
 mod long_steps;

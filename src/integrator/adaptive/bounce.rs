@@ -22,7 +22,7 @@ use crate::integrator::contact_path::arm;
 use crate::integrator::energy_limit::rounding_of;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, size};
 
 /// Returns the greatest depth that a contact can reach between two ends above ground, m.
 ///
@@ -44,6 +44,14 @@ pub(super) fn reach<R: Real, D: Dynamics<R>>(
     let turning = (end.angular_velocity - start.angular_velocity).length();
     let rotation = (turning + spin * spin * seconds) * bounding_radius;
     (change + rotation) * (seconds * R::from_f64(0.125))
+}
+
+/// Returns the largest speed of a point of the body per impulse at any contact, 1/kg.
+#[inline]
+pub(super) fn mobility<R: Real, D: Dynamics<R>>(scene: &D) -> R {
+    let properties = scene.inertia_properties();
+    let arm = size(scene);
+    properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm)
 }
 
 /// Returns a number that is computed at its first use. A `OnceCell` would need a panic.

@@ -14,8 +14,9 @@ use super::tuning;
 use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::Motion;
 use crate::friction::SlidingFriction;
-use crate::integrator::adaptive::bounce;
+use crate::integrator::adaptive::{bounce, edge};
 use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
+use crate::integrator::point::Point;
 use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, OnSurface, size};
@@ -99,6 +100,9 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
                 step.add_contact(point, &mut discontinuities);
             }
         }
+        if smooth + discontinuities.velocity <= allowed {
+            step.add_brush(ends, &mut discontinuities);
+        }
     }
     discontinuities
 }
@@ -144,6 +148,20 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
             return;
         };
         discontinuities.add(&self.contact_error(point, &path, &[start, end], last));
+    }
+
+    /// Adds a contact that only the path between both ends shows.
+    #[inline]
+    fn add_brush(&self, ends: [&Point<R>; 2], discontinuities: &mut Discontinuities<R>) {
+        if let Some(brush) = edge::brush(self.scene, ends, self.ends, self.seconds) {
+            let velocity = brush.force * self.seconds * bounce::mobility(self.scene);
+            let matters = velocity * R::from_f64(tuning::UNTREATED) > self.allowed;
+            let first = brush.before.at_least(R::from_f64(tuning::SHORTEST_PART));
+            discontinuities.add(&Discontinuities {
+                velocity,
+                first: matters.then_some(first),
+            });
+        }
     }
 
     /// Returns true if the force of a contact is not linear in its depth and closing speed from one

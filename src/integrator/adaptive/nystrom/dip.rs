@@ -7,11 +7,11 @@ use core::cell::Cell;
 
 use crate::body::RigidPointBody;
 use crate::contact::Motion;
-use crate::integrator::adaptive::bounce;
+use crate::integrator::adaptive::{bounce, edge};
 use crate::integrator::contact_path::{ContactView, Path, push};
 use crate::integrator::point::Point;
 use crate::real::Real;
-use crate::scene::{Dynamics, OnSurface, size};
+use crate::scene::{Dynamics, OnSurface};
 
 /// Returns the velocity of the farthest point that such contacts would have changed, m/s, or have
 /// changed too much.
@@ -32,11 +32,11 @@ pub(super) fn missed<R: Real, D: Dynamics<R>>(
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
         impulse += missed_on(&scene, ends, (seconds, margin), &energy_gained);
+        if let Some(brush) = edge::brush(&scene, points, ends, seconds) {
+            impulse += brush.force * seconds;
+        }
     }
-    let properties = scene.inertia_properties();
-    let arm = size(scene);
-    let mobility = properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm);
-    impulse * mobility
+    impulse * bounce::mobility(scene)
 }
 
 /// Impulse of such contacts on one surface, N s.

@@ -1,0 +1,153 @@
+//! Contacts that close and open again within one step at an edge or on a curve of the ground.
+//!
+//! The gaps at both ends of such a step belong to different parts of the ground, so that no
+//! interpolation between them shows the contact. Here the ground is evaluated on the path. A gap
+//! changes by at most the path of the body, so that a body at a gap `g` above the ground stays there
+//! while no point of it has moved by `g`: the path is searched in parts of this length.
+
+use crate::contact::Motion;
+use crate::ground::SpringDamperGround;
+use crate::integrator::contact_path::push;
+use crate::integrator::point::Point;
+use crate::quadrature::bisect;
+use crate::real::{Real, Vector};
+use crate::scene::{Dynamics, size};
+
+/// Shortest part of a step that is searched, as a fraction of it. A contact that takes less may be
+/// overlooked.
+const SHORTEST: f64 = 1.0 / 64.0;
+/// Bisections to locate the touch-down, down to a 2^-16 of the step.
+const HALVINGS: u32 = 10;
+
+/// A contact that begins and ends within a step.
+pub(super) struct Brush<R> {
+    /// Fraction of the step at which it is about to begin.
+    pub(super) before: R,
+    /// Greatest force of its spring, N.
+    pub(super) force: R,
+}
+
+/// Searches the first contact of a body with one surface that begins and ends within a step.
+///
+/// A plane has no edge, and is not searched.
+#[inline]
+pub(super) fn brush<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    points: [&Point<R>; 2],
+    motions: [&Motion<R>; 2],
+    seconds: R,
+) -> Option<Brush<R>> {
+    if scene.contact_model().plane().is_some() {
+        return None;
+    }
+    Search {
+        scene,
+        points,
+        motions,
+        seconds,
+        path: fastest(scene, motions) * seconds,
+    }
+    .first()
+}
+
+/// Largest speed of a point of the body at the ends of a step, m/s.
+fn fastest<R: Real, D: Dynamics<R>>(scene: &D, motions: [&Motion<R>; 2]) -> R {
+    let [start, end] = motions.map(|motion| {
+        motion.linear_velocity.length() + motion.angular_velocity.length() * size(scene)
+    });
+    start.at_least(end)
+}
+
+struct Search<'a, R: Real, D> {
+    scene: &'a D,
+    points: [&'a Point<R>; 2],
+    motions: [&'a Motion<R>; 2],
+    seconds: R,
+    /// Longest path of a point of the body in the step, m.
+    path: R,
+}
+
+impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
+    /// A body that is in the ground at both ends is not searched: its steps are short.
+    #[inline(never)]
+    fn first(&self) -> Option<Brush<R>> {
+        let bounds = self.motions.map(|motion| self.clearance(motion));
+        if bounds[0] + bounds[1] >= self.path {
+            return None;
+        }
+        let [start, end] = self.motions.map(|motion| self.gap_of(motion));
+        let is_searched = start > R::ZERO || end > R::ZERO;
+        if !is_searched {
+            return None;
+        }
+        // From here on, the body is nearer to the end than to the ground.
+        let last = R::ONE - end.at_least(R::ZERO) / self.path;
+        let (mut share, mut gap, mut depth) = (R::ZERO, start, R::ZERO);
+        let (mut entry, mut leaves) = (None, end > R::ZERO);
+        loop {
+            let next = share + (gap / self.path).at_least(R::from_f64(SHORTEST));
+            // It is false for a gap that is not a number.
+            let is_within = next < last;
+            if !is_within {
+                break;
+            }
+            let here = self.gap(next);
+            if here > R::ZERO && entry.is_some() {
+                leaves = true;
+                break;
+            }
+            if here <= R::ZERO {
+                entry = entry.or((gap > R::ZERO).then_some([share, next]));
+                depth = depth.at_least(-here);
+            }
+            (share, gap) = (next, here);
+        }
+        let bracket = entry.filter(|_| leaves)?;
+        let [before, _] = bisect(bracket, HALVINGS, |share| self.gap(share) <= R::ZERO);
+        Some(Brush {
+            before,
+            force: push(self.scene, depth, R::ZERO),
+        })
+    }
+
+    /// Lower bound of the gap of the lowest point of the body at one end, m.
+    fn clearance(&self, motion: &Motion<R>) -> R {
+        self.scene.ground().surface(motion.position).gap - self.scene.bounding_radius()
+    }
+
+    /// Gap of the lowest point of the body, m.
+    fn gap_of(&self, motion: &Motion<R>) -> R {
+        let lowest = self.scene.contact_model().lowest_point(motion);
+        lowest.map_or(R::MAX, |point| point.gap)
+    }
+
+    /// Gap of the lowest point of the body at a fraction of the step, m.
+    fn gap(&self, share: R) -> R {
+        self.gap_of(&self.motion(share))
+    }
+
+    /// Pose at a fraction of the step, by Hermite's cubic of position and quaternion. The
+    /// velocities are those of the start.
+    fn motion(&self, share: R) -> Motion<R> {
+        let ([start, end], [first, last]) = (self.points, self.motions);
+        let left = R::ONE - share;
+        let of_start = (R::ONE + R::TWO * share) * (left * left);
+        let of_end = R::ONE - of_start;
+        let by_start = share * (left * left) * self.seconds;
+        let by_end = -(share * share * left) * self.seconds;
+        let turning = [(start, first), (end, last)]
+            .map(|(point, motion)| point.orientation.rate(motion.angular_velocity));
+        let orientation = (start.orientation.scaled(of_start))
+            .plus(end.orientation, of_end)
+            .plus(turning[0], by_start)
+            .plus(turning[1], by_end);
+        Motion {
+            position: start.position * of_start
+                + end.position * of_end
+                + first.linear_velocity * by_start
+                + last.linear_velocity * by_end,
+            axes: orientation.normalised().axes(),
+            ..*first
+        }
+    }
+}
