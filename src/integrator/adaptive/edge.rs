@@ -6,17 +6,18 @@
 //! while no point of it has moved by `g`: the path is searched in parts of this length.
 
 use crate::contact::Motion;
-use crate::ground::SpringDamperGround;
 use crate::integrator::contact_path::push;
 use crate::integrator::point::Point;
 use crate::quadrature::bisect;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
-/// Shortest part of a step that is searched, as a fraction of it. A contact that takes less may be
-/// overlooked.
+/// Shortest part of a step that is searched, as a fraction of it, if both ends are above the
+/// ground. A contact that takes less may be overlooked.
 const SHORTEST: f64 = 1.0 / 64.0;
-/// Bisections to locate the touch-down, down to a 2^-16 of the step.
+/// The same if the body touches the ground at one end, near which all parts are the shortest.
+const SHORTEST_IN_TOUCH: f64 = 1.0 / 16.0;
+/// Bisections to locate the touch-down, down to 2^-14 of the step.
 const HALVINGS: u32 = 10;
 
 /// A contact that begins and ends within a step.
@@ -29,15 +30,16 @@ pub(super) struct Brush<R> {
 
 /// Searches the first contact of a body with one surface that begins and ends within a step.
 ///
-/// A plane has no edge, and is not searched.
+/// A plane has no edge, and is not searched. Neither is the step of a body that `touches` the
+/// surface at both ends, as it is short.
 #[inline]
 pub(super) fn brush<R: Real, D: Dynamics<R>>(
     scene: &D,
     points: [&Point<R>; 2],
-    motions: [&Motion<R>; 2],
+    (motions, touches): ([&Motion<R>; 2], [bool; 2]),
     seconds: R,
 ) -> Option<Brush<R>> {
-    if scene.contact_model().plane().is_some() {
+    if touches == [true; 2] || scene.contact_model().plane().is_some() {
         return None;
     }
     Search {
@@ -46,6 +48,11 @@ pub(super) fn brush<R: Real, D: Dynamics<R>>(
         motions,
         seconds,
         path: fastest(scene, motions) * seconds,
+        shortest: R::from_f64(if touches == [false; 2] {
+            SHORTEST
+        } else {
+            SHORTEST_IN_TOUCH
+        }),
     }
     .first()
 }
@@ -65,19 +72,18 @@ struct Search<'a, R: Real, D> {
     seconds: R,
     /// Longest path of a point of the body in the step, m.
     path: R,
+    /// Shortest part that is searched, as a fraction of the step.
+    shortest: R,
 }
 
 impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
-    /// A body that is in the ground at both ends is not searched: its steps are short.
     #[inline(never)]
     fn first(&self) -> Option<Brush<R>> {
-        let bounds = self.motions.map(|motion| self.clearance(motion));
-        if bounds[0] + bounds[1] >= self.path {
+        if self.motions.iter().all(|motion| self.is_far(motion)) {
             return None;
         }
         let [start, end] = self.motions.map(|motion| self.gap_of(motion));
-        let is_searched = start > R::ZERO || end > R::ZERO;
-        if !is_searched {
+        if start + end >= self.path {
             return None;
         }
         // From here on, the body is nearer to the end than to the ground.
@@ -85,7 +91,7 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
         let (mut share, mut gap, mut depth) = (R::ZERO, start, R::ZERO);
         let (mut entry, mut leaves) = (None, end > R::ZERO);
         loop {
-            let next = share + (gap / self.path).at_least(R::from_f64(SHORTEST));
+            let next = share + (gap / self.path).at_least(self.shortest);
             // It is false for a gap that is not a number.
             let is_within = next < last;
             if !is_within {
@@ -110,9 +116,12 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
         })
     }
 
-    /// Lower bound of the gap of the lowest point of the body at one end, m.
-    fn clearance(&self, motion: &Motion<R>) -> R {
-        self.scene.ground().surface(motion.position).gap - self.scene.bounding_radius()
+    /// Returns true if no point of the body is within half of the path above the ground at one
+    /// end. In flight no contact is evaluated for it.
+    fn is_far(&self, motion: &Motion<R>) -> bool {
+        let model = self.scene.contact_model();
+        let near = model.range_within(self.path * R::HALF, motion.position, &motion.axes);
+        near.count == 0 && !model.has_rims()
     }
 
     /// Gap of the lowest point of the body, m.

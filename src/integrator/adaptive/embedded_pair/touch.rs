@@ -95,13 +95,15 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             energy_gained: &energy_gained,
         };
         let added = after.without(before, contacts.len());
+        let mut touches = [false; 2];
         for range in [before].into_iter().chain(added) {
             for point in range.parts(contacts).into_iter().flatten() {
-                step.add_contact(point, &mut discontinuities);
+                let pushes = step.add_contact(point, &mut discontinuities);
+                touches = [touches[0] || pushes[0], touches[1] || pushes[1]];
             }
         }
         if smooth + discontinuities.velocity <= allowed {
-            step.add_brush(ends, &mut discontinuities);
+            step.add_brush(ends, touches, &mut discontinuities);
         }
     }
     discontinuities
@@ -123,21 +125,27 @@ pub(super) struct Taken<'a, R: Real, D> {
 }
 
 impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
+    /// Adds the errors of one contact. Returns whether it pushes at both ends of the step.
     #[inline]
-    fn add_contact(&self, point: &ContactPoint<R>, discontinuities: &mut Discontinuities<R>) {
+    fn add_contact(
+        &self,
+        point: &ContactPoint<R>,
+        discontinuities: &mut Discontinuities<R>,
+    ) -> [bool; 2] {
         let end_of = |motion| ContactEnd::of(self.scene, motion, point);
         let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
-        if start.pushes() && end.pushes() {
+        let pushes = [start.pushes(), end.pushes()];
+        if pushes == [true; 2] {
             if self.bends(&start, &end) {
                 discontinuities.velocity += self.bend_error(point, &[start, end]);
             }
             if self.follows_slip {
                 discontinuities.velocity += self.slip_error(point, &[start, end]);
             }
-            return;
+            return pushes;
         }
         let path = Path::between(&start, &end, self.seconds);
-        let last = if start.pushes() != end.pushes() {
+        let last = if pushes[0] != pushes[1] {
             Some(R::ONE)
         } else if path.turns_under_ground() {
             Some(path.turn())
@@ -145,15 +153,22 @@ impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
         {
             None
         } else {
-            return;
+            return pushes;
         };
         discontinuities.add(&self.contact_error(point, &path, &[start, end], last));
+        pushes
     }
 
     /// Adds a contact that only the path between both ends shows.
     #[inline]
-    fn add_brush(&self, ends: [&Point<R>; 2], discontinuities: &mut Discontinuities<R>) {
-        if let Some(brush) = edge::brush(self.scene, ends, self.ends, self.seconds) {
+    fn add_brush(
+        &self,
+        ends: [&Point<R>; 2],
+        touches: [bool; 2],
+        discontinuities: &mut Discontinuities<R>,
+    ) {
+        let motions = (self.ends, touches);
+        if let Some(brush) = edge::brush(self.scene, ends, motions, self.seconds) {
             let velocity = brush.force * self.seconds * bounce::mobility(self.scene);
             let matters = velocity * R::from_f64(tuning::UNTREATED) > self.allowed;
             let first = brush.before.at_least(R::from_f64(tuning::SHORTEST_PART));

@@ -31,36 +31,39 @@ pub(super) fn missed<R: Real, D: Dynamics<R>>(
     let energy_gained = || bounce::once(&gained, || bounce::energy_gained(scene, points));
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
-        impulse += missed_on(&scene, ends, (seconds, margin), &energy_gained);
-        if let Some(brush) = edge::brush(&scene, points, ends, seconds) {
+        let (of_contacts, touches) = missed_on(&scene, ends, (seconds, margin), &energy_gained);
+        impulse += of_contacts;
+        if let Some(brush) = edge::brush(&scene, points, (ends, touches), seconds) {
             impulse += brush.force * seconds;
         }
     }
     impulse * bounce::mobility(scene)
 }
 
-/// Impulse of such contacts on one surface, N s.
+/// Impulse of such contacts on one surface, N s, and whether the body touches it at both ends.
 #[inline]
 fn missed_on<R: Real, D: Dynamics<R>>(
     scene: &D,
     ends: [&Motion<R>; 2],
     (seconds, margin): (R, R),
     energy_gained: &dyn Fn() -> R,
-) -> R {
+) -> (R, [bool; 2]) {
     let contacts = scene.body().contacts();
     let near = |motion: &Motion<R>| {
         (scene.contact_model()).range_within(margin, motion.position, &motion.axes)
     };
     let [first, last] = ends.map(|motion| ContactView::of(scene, motion));
     let (before, after) = (near(ends[0]), near(ends[1]));
-    let (mut force, mut excess) = (R::ZERO, R::ZERO);
+    let (mut force, mut excess, mut touches) = (R::ZERO, R::ZERO, [false; 2]);
     for range in [before]
         .into_iter()
         .chain(after.without(before, contacts.len()))
     {
         for point in range.parts(contacts).into_iter().flatten() {
             let (start, end) = (first.side(point), last.side(point));
-            if start.depth > R::ZERO || end.depth > R::ZERO {
+            let is_below = [start.depth > R::ZERO, end.depth > R::ZERO];
+            if is_below != [false; 2] {
+                touches = [touches[0] || is_below[0], touches[1] || is_below[1]];
                 continue;
             }
             let path = Path::between(&start, &end, seconds);
@@ -76,5 +79,5 @@ fn missed_on<R: Real, D: Dynamics<R>>(
             }
         }
     }
-    force * seconds + excess
+    (force * seconds + excess, touches)
 }
