@@ -341,7 +341,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     let mut energy = before;
     let mut step = Step::new(dt, 0);
     applied::pushed(scene, state, &mut energy, dt * R::HALF, &mut step)?;
-    move_in_parts(scene, state, &mut energy, dt, contacts, &mut step)?;
+    move_in_parts(scene, state, &mut energy, (dt, &start), contacts, &mut step)?;
     let is_suspect = step.fallback || (step.iterations > 0 && dt > R::from_f64(LONG));
     if is_suspect && descent::is_unresolved(scene, &start, dt) {
         return Err(too_long(dt));
@@ -361,21 +361,23 @@ fn move_on<R: Real, D: Dynamics<R>>(
 }
 
 /// Part of a step, or the whole.
-struct Part<R> {
+struct Part<'a, R: Real> {
     /// Length, s.
     seconds: R,
+    /// State before the applied force acted, for the first part.
+    unpushed: Option<&'a State<R>>,
     /// Time for which the applied force acts after it, s.
     force_seconds: R,
 }
 
 /// Takes a step as a whole, or in parts where that fails: in halves, down to sixteenths, and the
-/// smallest parts downhill in energy.
+/// smallest parts downhill in energy. `unpushed` is the state before the applied force acted.
 #[inline(always)]
 fn move_in_parts<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
     energy: &mut Energy<R>,
-    dt: R,
+    (dt, unpushed): (R, &State<R>),
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
 ) -> Result<(), StepError> {
@@ -385,6 +387,7 @@ fn move_in_parts<R: Real, D: Dynamics<R>>(
     while done < PARTS {
         let part = Part {
             seconds: sixteenths(dt, length),
+            unpushed: (done == 0).then_some(unpushed),
             force_seconds: if done + length == PARTS {
                 dt * R::HALF
             } else {
@@ -483,12 +486,12 @@ fn attempt<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &mut State<R>,
     energy: &mut Energy<R>,
-    part: &Part<R>,
+    part: &Part<'_, R>,
     contacts: &mut Contacts<R>,
     step: &mut Step<R>,
 ) -> bool {
     let mut problem = Problem::new(scene, state, energy, part.seconds);
-    problem.force_seconds = part.force_seconds;
+    (problem.unpushed, problem.force_seconds) = (part.unpushed, part.force_seconds);
     for wide in [false, true] {
         gather(&problem, contacts, wide);
         let end = if contacts.is_empty() {

@@ -495,7 +495,8 @@ fn iterations_in_a_wind<F: SlidingFriction>(friction: &F) -> f64 {
     of_bodies.into_iter().fold(0.0, f64::max)
 }
 
-/// At most 10.1 are found, and 8.2 with equal coefficients.
+/// At most 10 are found, and 4.1 at a ratio of 0.5 and more. Newton's method begins with the creep
+/// before the wind pushes. It took up to 9 from the slip after it.
 #[test]
 fn stick_with_a_grain_costs_about_what_it_costs_without_at_any_slip_speed() {
     let grain = DVec3::new(1.0, 1.0, 0.0);
@@ -503,7 +504,9 @@ fn stick_with_a_grain_costs_about_what_it_costs_without_at_any_slip_speed() {
         for ratio in [1.0, 0.9, 0.5, 0.2, 0.05, 0.0] {
             let law = AnisotropicCoulomb::on(DVec3::Z, grain, [0.6, 0.6 * ratio], slip_speed);
             let iterations = iterations_in_a_wind(&law);
-            assert!(iterations <= 12.0, "{slip_speed} {ratio}: {iterations}");
+            let is_plain = ratio >= 0.5 && slip_speed >= 1e-7;
+            let most = if is_plain { 5.0 } else { 12.0 };
+            assert!(iterations <= most, "{slip_speed} {ratio}: {iterations}");
         }
     }
 }
@@ -526,7 +529,7 @@ fn a_users_law_with_a_metric_finds_stick() {
             };
             check_friction(&law, &range, CheckPlan::default()).unwrap();
             let iterations = iterations_in_a_wind(&law);
-            assert!(iterations <= 12.0, "{slip_speed} {along}: {iterations}");
+            assert!(iterations <= 13.0, "{slip_speed} {along}: {iterations}");
         }
     }
 }

@@ -140,7 +140,7 @@ impl<R: Real> Touch<R> {
     ) -> Answer<R> {
         let (n, slip) = (self.push.normal, self.push.slip);
         let arm = self.arm - n * self.push.radius;
-        let velocity = problem.motion.velocity_at(arm) - problem.ground_velocity(arm, n);
+        let velocity = problem.velocity_before_force(arm) - problem.ground_velocity(arm, n);
         let slip_at_start = velocity - n * n.dot(velocity);
         let at_start = self.jacobian_at(problem, slip_at_start);
         let dual_at_start = self.dual_of_law(problem, slip_at_start, &at_start);

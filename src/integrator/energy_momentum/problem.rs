@@ -17,6 +17,7 @@ use super::block::Block;
 use super::resistances::resolution;
 use crate::contact::{Motion, MovingContact};
 use crate::energy::Energy;
+use crate::force::Force;
 use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
 use crate::ground::{MeanForce, OneSurface, Plane, SpringDamperGround, Surface};
 use crate::real::{Real, Vector, is_single};
@@ -55,6 +56,8 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) per_second: R,
     /// Time for which the applied force acts after the step, s.
     pub(super) force_seconds: R,
+    /// State before the applied force acted, if it acted just before the step.
+    pub(super) unpushed: Option<&'a State<R>>,
     /// Slip that a step in single precision can tell from 0, m/s.
     pub(super) slip_resolution: R,
     pub(super) mass: R,
@@ -165,6 +168,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             seconds,
             per_second: R::ONE / seconds,
             force_seconds: R::ZERO,
+            unpushed: None,
             slip_resolution: R::ZERO,
             mass: properties.mass(),
             inertia: Block::ZERO,
@@ -481,6 +485,16 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         let weight = self.mass * self.scene.gravity().length();
         let friction = self.jacobian(0, self.motion.position, weight, R::Vec3::ZERO);
         friction.coefficient * self.seconds > self.mass * R::TWO
+    }
+
+    /// Velocity at an arm (m, world axes) at the start, before the applied force acted, m/s. In
+    /// stick it is the creep, and after the force a multiple of it.
+    #[inline]
+    pub(super) fn velocity_before_force(&self, arm: R::Vec3) -> R::Vec3 {
+        match self.unpushed {
+            Some(state) if self.scene.force().acts() => self.scene.motion(state).velocity_at(arm),
+            _ => self.motion.velocity_at(arm),
+        }
     }
 
     /// Trial with these unknowns.
