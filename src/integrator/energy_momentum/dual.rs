@@ -33,14 +33,14 @@ impl<R: Real> Linear<R> {
     /// `(u' - w' g (û·(u' - u)))/w` (Chan, Golub & Mulet 1999), in the metric of the law for u.
     #[inline]
     pub(super) fn after(&self, slip: R::Vec3, metric: Option<&Metric<R>>) -> R::Vec3 {
-        let [from, to] = [self.slip, slip].map(|slip| weighed(slip, metric));
+        let (from, to) = (weighed(self.slip, metric), weighed(slip, metric));
         let change = (to - from).dot(direction::<R>(from));
         (to - self.direction * (self.growth * change)) * (R::ONE / self.width)
     }
 }
 
 /// Vector in the metric of a law, if it has one.
-#[inline]
+#[inline(always)]
 pub(super) fn weighed<R: Real>(vector: R::Vec3, metric: Option<&Metric<R>>) -> R::Vec3 {
     metric.map_or(vector, |metric| metric.times(vector))
 }
