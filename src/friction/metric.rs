@@ -36,7 +36,8 @@ impl<R: Real> Metric<R> {
         Some(Self { rows }.scaled_for(slip))
     }
 
-    /// A slip of zero has no direction. Its scale is the mean square of those of all directions.
+    /// A slip of zero has no direction. Its scale is the root mean square of those of all
+    /// directions in a plane.
     fn scaled_for(self, slip: R::Vec3) -> Self {
         let (speed, weighed) = (slip.length(), self.times(slip).length());
         let scale = if speed > R::ZERO {

@@ -2,8 +2,8 @@
 //!
 //! The gaps at both ends of such a step belong to different parts of the ground, so that no
 //! interpolation between them shows the contact. Here the ground is evaluated on the path. A gap
-//! changes by at most the path of the body, so that a body at a gap `g` above the ground stays there
-//! while no point of it has moved by `g`: the path is searched in parts of this length.
+//! changes by at most the path of the body, so that a body with the gap `g` stays above the ground
+//! while no point of it has moved by `g`. The path is searched in parts of this length.
 
 use crate::contact::Motion;
 use crate::integrator::contact_path::push;
