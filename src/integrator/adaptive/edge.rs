@@ -15,7 +15,8 @@ use crate::scene::{Dynamics, size};
 /// Shortest part of a step that is searched, as a fraction of it, if both ends are above the
 /// ground. A contact that takes less may be overlooked.
 const SHORTEST: f64 = 1.0 / 64.0;
-/// The same if the body touches the ground at one end, near which all parts are the shortest.
+/// Shortest part of a step that is searched, as a fraction of it, if the body touches the ground at
+/// one end. Near that end all parts are the shortest.
 const SHORTEST_IN_TOUCH: f64 = 1.0 / 16.0;
 /// Bisections to locate the touch-down, down to 2^-14 of the step.
 const HALVINGS: u32 = 10;
