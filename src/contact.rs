@@ -26,7 +26,7 @@ pub use load::Load;
 pub use lowest_point::LowestPoint;
 pub use model::ContactModel;
 pub(crate) use model::Extent;
-pub(crate) use moving::MovingContact;
+pub(crate) use moving::{MovingContact, any_across};
 pub use point::Contact;
 pub(crate) use rims::RimStep;
 pub(crate) use visit::Onset;

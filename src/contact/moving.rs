@@ -164,7 +164,7 @@ fn shares<R: Real>(of: R::Vec3, first: R::Vec3, second: R::Vec3) -> [R; 2] {
 }
 
 /// A unit vector at right angles to the given one.
-fn any_across<R: Real>(normal: R::Vec3) -> R::Vec3 {
+pub(crate) fn any_across<R: Real>(normal: R::Vec3) -> R::Vec3 {
     let o = R::ZERO;
     let other = if normal.x().abs() < R::HALF {
         R::Vec3::new(R::ONE, o, o)

@@ -1,6 +1,6 @@
 //! Radau's implicit method of order 5, for stiff friction and stiff ground at high accuracy.
 //!
-//! The stages of a step: the Jacobian (`jacobian`), the increments of the three stages (`stages`,
+//! The stages of a step: the Jacobian (`jacobian`, `curvature`), the increments of the three stages (`stages`,
 //! `reduced`, `linear`), and the error estimate. Touch-downs and step size control are those of the
 //! explicit pairs (`embedded_pair`).
 //!
@@ -21,6 +21,7 @@
 //! factor `h²`. If a force jumps within the step, `|δ₃|` is 3.3 to 10 times the jump, wherever it
 //! is, so the ratio is never small by chance.
 
+mod curvature;
 mod jacobian;
 mod linear;
 mod reduced;

@@ -22,9 +22,11 @@
 //! force with respect to depth and closing speed, `f` is the derivative of friction with respect to
 //! the normal force, and `D` that with respect to the slip.
 //!
-//! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces and
-//! the curvature of the ground.
+//! [`Curved`] ground adds what follows from the turn of the normal.
+//!
+//! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces.
 
+use super::curvature::Curved;
 use super::linear::Rows;
 use crate::contact::{Contact, Motion};
 use crate::friction::{FrictionJacobian, Metric, SlidingFriction};
@@ -138,17 +140,31 @@ impl<R: Real> Derivatives<R> {
         let [x, y, z] = contact.arm_by_turn(scene.body(), &motion.axes);
         let moved = Block { x, y, z };
         let swung = by_velocity.times_block(&Block::hat(spin));
-        let force = Part {
+        let mut force = Part {
             shift: by_path,
             turn: by_path.plus(&swung).times_block(&moved),
             velocity: by_velocity,
             spin: by_velocity.times_block(&Block::hat(-arm)),
         };
         let loaded = contact.force(scene.ground(), scene.friction());
+        let curved = Curved::at(scene, contact, &moved);
+        if let Some(curved) = &curved {
+            let velocity = contact.slip_velocity - contact.normal * contact.closing_speed;
+            let slid = by_velocity.times_block(&curved.rotated(-velocity));
+            let by_shift = curved.rotated(loaded).plus(&slid);
+            let by_shift = by_shift.plus(&swung.times_block(&curved.over));
+            force.shift = force.shift.plus(&by_shift);
+            force.turn = force.turn.plus(&by_shift.times_block(&moved));
+        }
         let moved_arm = moved.crossed_by(-loaded);
         let torque = &mut self.torque;
         torque.shift = torque.shift.plus(&force.shift.crossed_by(arm));
         torque.turn = (torque.turn.plus(&force.turn.crossed_by(arm))).plus(&moved_arm);
+        if let Some(curved) = curved {
+            let over = curved.over.crossed_by(-loaded);
+            torque.shift = torque.shift.plus(&over);
+            torque.turn = torque.turn.plus(&over.times_block(&moved));
+        }
         torque.velocity = torque.velocity.plus(&force.velocity.crossed_by(arm));
         let resistance = by_turning(scene, contact, spin);
         torque.spin = (torque.spin.plus(&force.spin.crossed_by(arm))).plus(&resistance);

@@ -161,8 +161,9 @@ impl<'a, R: Real> Equations<'a, R> {
                     iterations: iteration,
                 });
             }
-            // Also ends an iteration that is no longer finite.
-            let converges = rate < R::ONE;
+            // Changes below the target may be rounding, which does not fall: those of a body at
+            // rest. The test also ends an iteration that is no longer finite.
+            let converges = rate < R::ONE || size <= target;
             if !converges {
                 return None;
             }
