@@ -33,6 +33,8 @@
 //!
 //! The range is enclosed by its supporting lines: the largest eigenvalue of `p K + q C` bounds
 //! `p κ + q δ`. The limit is the smallest of the scalar limits along the outline of that polygon.
+//! Its lower side matters where surfaces differ, or under an applied force: a softer motion may
+//! have less damping than the stiffest, and a method that amplifies oscillations is limited by it.
 //!
 //! The derivative of friction with respect to the load, `f`, makes K and the first part of C
 //! non-symmetric by the same factors. There are two limiting cases:
@@ -115,9 +117,10 @@ struct Response<R> {
     damping: Matrix<R>,
     /// Part of the damping that needs no springs, 1/s: that of friction and of the applied force.
     friction: Matrix<R>,
-    /// Ratio of damping to stiffness, s: of all contacts together, and the largest of a single
-    /// contact.
+    /// Ratio of damping to stiffness, s: of all contacts together, and the smallest and the largest
+    /// of a single contact. An applied force with a stiffness has the smallest possible one, 0.
     mean_ratio: R,
+    smallest_ratio: R,
     largest_ratio: R,
     load: Friction,
     /// Whether a contact slides with a friction force that increases with its load.
@@ -137,6 +140,7 @@ impl<R: Real> Response<R> {
             damping: Matrix::ZERO,
             friction: Matrix::ZERO,
             mean_ratio: R::ZERO,
+            smallest_ratio: R::MAX,
             largest_ratio: R::ZERO,
             load,
             is_coupled: false,
@@ -147,12 +151,16 @@ impl<R: Real> Response<R> {
             stiffness += k;
             damping += c;
             response.largest_ratio = response.largest_ratio.at_least(ratio(c, k));
+            if k > R::ZERO {
+                response.smallest_ratio = response.smallest_ratio.at_most(c / k);
+            }
         });
         if scene.force().acts() {
             response.add_applied_force(&frame, state);
         }
         response.damping.add(&response.friction);
         response.mean_ratio = ratio(damping, stiffness);
+        response.smallest_ratio = response.smallest_ratio.at_most(response.mean_ratio);
         response
     }
 
@@ -241,12 +249,15 @@ impl<R: Real> Response<R> {
                 let answer = frame.acceleration(-change.force, -change.torque);
                 matrix.add_column(index, &answer);
             }
+            if per_path != Wrench::ZERO {
+                self.smallest_ratio = R::ZERO;
+            }
         }
     }
 
-    /// Corners (κ, δ) of a polygon around the joint numerical range. They run from the least
-    /// damping of the stiffest motion to the motions without stiffness.
-    fn outline(&self) -> [[R; 2]; 7] {
+    /// Corners (κ, δ) of a polygon around the joint numerical range. They run along its least
+    /// damping to the stiffest motion, and on to the motions without stiffness.
+    fn outline(&self) -> [[R; 2]; 9] {
         let (zero, one, two) = (R::ZERO, R::ONE, R::TWO);
         let stiffest = self.stiffness.spectral_radius();
         let most_damped = self.damping.spectral_radius();
@@ -259,15 +270,23 @@ impl<R: Real> Response<R> {
         };
         let [flat, even, steep] = [support(two, one), support(one, one), support(one, two)];
         let within = |value: R| value.at_least(zero).at_most(one);
-        let low = self.least_damping(stiffest, most_damped) * c;
-        // No motion has less damping relative to its stiffness than the stiffest one. The lines of
-        // non-symmetric matrices may cross below that.
-        let crossing = |x: R, y: R| [within(x), within(y).at_least(low * within(x))];
+        let below = self.least_damping(stiffest);
+        let low = |x: R| within(below.at(x * stiffest) * c);
+        let bend = within(below.bend() * k);
+        let bend = if bend > R::from_f64(LEAST_BEND) {
+            bend
+        } else {
+            zero
+        };
+        // The lines of non-symmetric matrices may cross below the least damping.
+        let crossing = |x: R, y: R| [within(x), within(y).at_least(low(within(x)))];
         let resting = within(self.friction.spectral_radius() * c);
         let top = within(steep - two);
         let ratio = self.largest_ratio * stiffest * c;
         let corners = [
-            [one, low],
+            [zero, zero],
+            [bend, low(bend)],
+            [one, low(one)],
             crossing(one, flat - two),
             crossing(flat - even, two * even - flat),
             crossing(two * even - steep, steep - even),
@@ -278,22 +297,70 @@ impl<R: Real> Response<R> {
         corners.map(|[x, y]| [x * stiffest, y * most_damped])
     }
 
-    /// Lower bound for the damping of the stiffest motion, 1/s, from lines `δ >= t κ - s` below the
-    /// range of stiffness and normal damping. Friction only adds to that damping.
-    fn least_damping(&self, stiffest: R, most_damped: R) -> R {
+    /// Lower bound for the damping of a motion by its stiffness, from lines `δ >= t κ - s` below
+    /// the range of stiffness and normal damping. Friction only adds to that damping.
+    ///
+    /// No motion has a smaller ratio of damping to stiffness than a single contact. Where contacts
+    /// act together, the ratio of every motion may be larger: that of a line with `s = 0`.
+    fn least_damping(&self, stiffest: R) -> LeastDamping<R> {
+        let mut bound = LeastDamping {
+            ratio: self.smallest_ratio,
+            slope: self.smallest_ratio,
+            offset: R::ZERO,
+        };
         let normal = self.damping.combined(R::ONE, &self.friction, -R::ONE);
-        let mut least = R::ZERO;
+        let most_damped = normal.spectral_radius();
+        let rounding = R::from_f64(ROUNDING).at_least(R::EPSILON * R::from_f64(64.0));
         let mut slope = self.mean_ratio;
-        for _ in 0..3 {
+        for _ in 0..LINES {
+            if slope <= bound.ratio {
+                break;
+            }
             // All eigenvalues of t K - C + most_damped are at least 0, so the largest equals the
             // spectral radius.
             let mut shifted = self.stiffness.combined(slope, &normal, -R::ONE);
             shifted.add_identity(most_damped);
             let offset = (shifted.spectral_radius() - most_damped).at_least(R::ZERO);
-            least = least.at_least(slope * stiffest - offset);
+            if slope * stiffest - offset > bound.at(stiffest) {
+                (bound.slope, bound.offset) = (slope, offset);
+            }
+            if offset <= most_damped * rounding {
+                bound.ratio = slope;
+            }
             slope *= R::HALF;
         }
-        least.at_most(most_damped)
+        bound
+    }
+}
+
+/// Most lines below the range of stiffness and damping, each of half the slope of the last.
+const LINES: usize = 8;
+/// Error of a spectral radius in f64, relative. In f32 the numbers are rounded by more.
+const ROUNDING: f64 = 4e-6;
+/// Smallest stiffness of a motion without damping that counts, relative to the stiffest motion.
+/// Below it, the offset of a line is rounding.
+const LEAST_BEND: f64 = 1e-6;
+
+/// Lower bound for the damping of a motion with the stiffness κ: `δ >= ratio κ` and
+/// `δ >= slope κ - offset`.
+struct LeastDamping<R> {
+    ratio: R,
+    slope: R,
+    offset: R,
+}
+
+impl<R: Real> LeastDamping<R> {
+    fn at(&self, stiffness: R) -> R {
+        (self.ratio * stiffness).at_least(self.slope * stiffness - self.offset)
+    }
+
+    /// Stiffness at which both bounds are equal, or 0.
+    fn bend(&self) -> R {
+        if self.slope > self.ratio {
+            self.offset / (self.slope - self.ratio)
+        } else {
+            R::ZERO
+        }
     }
 }
 

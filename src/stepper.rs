@@ -394,8 +394,9 @@ where
     /// with their lever arms and the inertia of the body. The applied force counts by its
     /// derivatives with respect to velocities and pose. Every shorter step is stable too. A
     /// longer step can amplify small errors until the energy grows as well. Returns 0 if no step is
-    /// stable, as for [`ForwardEuler`](crate::ForwardEuler) on springs without dampers. The step
-    /// size set in the integrator has no effect on the result.
+    /// stable: [`ForwardEuler`](crate::ForwardEuler) and [`Nystrom`](crate::Nystrom) amplify every
+    /// motion on a spring without a damper, such as an applied force or one of several surfaces. The
+    /// step size set in the integrator has no effect on the result.
     ///
     /// *Limits:*
     ///
@@ -558,7 +559,7 @@ where
         let mut flow = self.show(observer, state, clock);
         while flow.is_continue() && !end.is_reached(clock) {
             // States between the steps are computed from the start of the step.
-            let before = observer.asks_for().map(|_| Before {
+            let before = observer.requested_time().map(|_| Before {
                 clock: *clock,
                 state: *state,
                 workspace: I::ADAPTIVE.then(|| workspace.clone()),
@@ -588,7 +589,7 @@ where
         clock: &Clock<R>,
     ) -> Result<ControlFlow<()>, StepError> {
         let mut last = None;
-        while let Some(time) = observer.asks_for() {
+        while let Some(time) = observer.requested_time() {
             let asked = self.end_at(end_of_run.or_at(time));
             // A time requested twice in a row would be requested for ever.
             if !asked.is_reached(clock) || last == Some(time) {
@@ -604,7 +605,7 @@ where
                 time,
                 ..self.sample(&state, clock)
             };
-            if observer.observe_asked(&sample).is_break() {
+            if observer.observe_requested(&sample).is_break() {
                 return Ok(ControlFlow::Break(()));
             }
         }

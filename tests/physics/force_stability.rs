@@ -1,4 +1,5 @@
-//! The longest stable step of explicit methods under an applied force, from both sides.
+//! The longest stable step of explicit methods under an applied force, from both sides, and between
+//! surfaces whose dampers differ.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
@@ -6,10 +7,12 @@
 use crate::growth::factor_of_a_step;
 use crate::kit::each_explicit;
 use crate::kit::erased::Stepper;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    AirDrag, Cuboid, FlatGround, Force, Integrator, Motion, Sphere, SpinDrag, State,
-    SymplecticEuler, UniformGravity, Wrench,
+    AirDrag, Cuboid, FlatGround, Force, Ground, Integrator, Motion, Plane, Sphere, SpinDrag,
+    SpringDamper, State, SymplecticEuler, UniformGravity, Wrench,
 };
 
 /// A spring to the origin and a damper that holds the position, and a torsion spring that holds the
@@ -202,4 +205,76 @@ fn drag_adds_to_the_contacts() {
         );
     }
     assert!(limit(300.0) < limit(1.0));
+}
+
+/// A ball without friction between two planes at right angles has a motion along each normal, with
+/// the spring and the damper of its plane. So the limit is the smaller of two scalar limits. Of 200
+/// pairs of laws, the stiffer plane is the more damped one, relative to its stiffness, in half.
+#[test]
+fn the_motion_with_the_least_damping_bounds_the_step_between_two_planes() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let mut ranged = |low: f64, high: f64| {
+        low * (high / low).powf(f64::from(random.next_u32()) / f64::from(u32::MAX))
+    };
+    let mass = 1.3;
+    for _ in 0..200 {
+        let laws = [0, 1].map(|_| {
+            let stiffness = ranged(1e3, 1e5);
+            SpringDamper {
+                stiffness,
+                damping: ranged(1e-4, 1.0) * (stiffness * mass).sqrt(),
+            }
+        });
+        let [a, b] = laws;
+        let wall = |law: SpringDamper, x: f64| {
+            let shape = Plane::through(DVec3::ZERO, DVec3::new(x, 0.0, 1.0));
+            Ground { law, shape }
+        };
+        let ground = (wall(a, 0.8), wall(b, -1.25));
+        // In contact with both planes, and not moving.
+        let depth = ranged(1e-5, 1e-3);
+        let normals = [0.8, -1.25].map(|x: f64| DVec3::new(x, 0.0, 1.0).normalize());
+        let state = State::at((normals[0] + normals[1]) * (0.1 - depth));
+        each_explicit!(1e-3, |integrator, method| {
+            let stepper = Stepper::new(Sphere::solid(mass, 0.1))
+                .and_then(|stepper| stepper.with_ground(ground))
+                .and_then(|stepper| stepper.with_integrator(integrator))
+                .unwrap();
+            let limit = stepper.largest_stable_step(&state).unwrap();
+            let of = |law: SpringDamper| {
+                let rates = [law.stiffness / mass, law.damping / mass];
+                Integrator::<f64>::largest_stable_step(&integrator, rates[0], rates[1]).unwrap()
+            };
+            let expected = of(a).min(of(b));
+            let share = limit / expected;
+            assert!(
+                share < 1.0 + 1e-4,
+                "{method}: {limit:e} s, not {expected:e} s, {laws:?}"
+            );
+            assert!(share > 0.4, "{method}: only {share} of it, {laws:?}");
+        });
+    }
+}
+
+/// A spring that holds a ball along the ground has no damper. It is softer than the ground, whose
+/// dampers say nothing of it.
+#[test]
+fn a_force_without_damping_bounds_the_step_beside_damped_ground() {
+    let force = Mount {
+        stiffness: DVec3::new(3e3, 0.0, 0.0),
+        damping: DVec3::ZERO,
+        torsion: 0.0,
+        arm: DVec3::ZERO,
+    };
+    let state = State::at(DVec3::Z * 0.099);
+    each_explicit!(1e-3, |integrator, method| {
+        let stepper = Stepper::new(Sphere::solid(0.7, 0.1))
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(4e4, 90.0)))
+            .and_then(|stepper| stepper.with_integrator(integrator))
+            .and_then(|stepper| stepper.with_force(force))
+            .unwrap();
+        let limit = stepper.largest_stable_step(&state).unwrap();
+        let undamped = Integrator::<f64>::largest_stable_step(&integrator, 3e3 / 0.7, 0.0);
+        assert!(limit <= undamped.unwrap(), "{method}: {limit:e} s");
+    });
 }
