@@ -1,21 +1,24 @@
-"""Writes the tables of src/guide/long_runs.md from the record of the long runs."""
+"""Writes the tables of src/guide/long_runs.md from the records of the long runs."""
 
 import csv
 import re
 import sys
 from collections import defaultdict
 
-RECORD, PAGE = sys.argv[1:3]
+RECORD, RIGID, PAGE = sys.argv[1:4]
 ROLES = ['an applied force', 'ground that moves', 'friction that varies', 'several surfaces', 'work of a drive']
 
 
 def main():
     with open(RECORD, newline='', encoding='utf-8') as file:
         lines = [line for line in csv.reader(file) if line and line[0] != 'seed']
+    with open(RIGID, newline='', encoding='utf-8') as file:
+        runs = list(csv.reader(file))[1:]
     with open(PAGE, encoding='utf-8') as file:
         page = file.read()
     page = put(page, 'sweeps', sweeps([line for line in lines if line[0]]))
     page = put(page, 'trials', trials([line for line in lines if not line[0]]))
+    page = put(page, 'rigid', rigid(runs))
     with open(PAGE, 'w', encoding='utf-8') as file:
         file.write(page)
 
@@ -76,6 +79,16 @@ def trials(lines):
         counts = [int(count) for count in line[2:14]]
         steps = max(counts[1], 1)
         text += f'| {line[1]} | {number(counts[1])} | {counts[5] / steps:.2f} | {number(counts[3])} | {number(counts[4])} | {counts[6]} | {line[14] or "none"} |\n'
+    return text + '\n'
+
+
+def rigid(runs):
+    """The largest deformations in the first 10,000 steps, in any window and in the last."""
+    if not runs:
+        return 'No run is stored.\n'
+    text = '\n| method | steps | length, first | length, any | length, last | distance, first | distance, any | distance, last |\n|---|---|---|---|---|---|---|---|\n'
+    for name, steps, *figures in runs:
+        text += f'| {name} | {number(int(steps))} | ' + ' | '.join([*figures[0::2], *figures[1::2]]) + ' |\n'
     return text + '\n'
 
 

@@ -1,13 +1,15 @@
 #!/bin/bash
-# Takes EnergyMomentum through many random steps, and the eight trials of the coin report through an hour, and writes the page of the guide.
+# Takes EnergyMomentum through many random steps, the eight trials of the coin report through an hour, and a free body through a thousand million steps, and writes the page of the guide.
 #   bash .ci/long.sh 1 20          seeds 1 to 20 of the sweep, five million steps each
 #   bash .ci/long.sh trials        one simulated hour of each trial, in both precisions
+#   bash .ci/long.sh rigid         a body that tumbles freely, with two methods in both precisions
 #   bash .ci/long.sh page          only writes the page again
 # PROGRAM names the test program, if it is built.
 # Each run appends its counts to tests/data/long_runs.csv. A seed or a trial that is in it is not run again, so that a stopped command goes on.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 record=tests/data/long_runs.csv
+rigid=tests/data/rigid_runs.csv
 export TUMBLE_SWEEP_RECORD="$PWD/target/long_runs_part.csv"
 
 build() {
@@ -26,6 +28,12 @@ case "${1-}" in
       TUMBLE_TRIAL_SECONDS=3600 "$program" long:: --test-threads=1 || true
       keep
     fi ;;
+  rigid)
+    program=${PROGRAM:-$(build)}
+    part="$PWD/target/rigid_runs_part.csv"
+    rm -f "$part"
+    TUMBLE_RIGID_STEPS=${STEPS-1000000000} TUMBLE_RIGID_RECORD="$part" "$program" long_rigid:: || true
+    { head -1 "$rigid"; sort "$part"; } >"$part.all" && mv "$part.all" "$rigid" && rm "$part" ;;
   [0-9]*)
     program=${PROGRAM:-$(build)}
     for seed in $(seq "$1" "${2-$1}"); do
@@ -37,6 +45,6 @@ case "${1-}" in
       keep
       echo "seed $seed: $SECONDS s"
     done ;;
-  *) echo "usage: bash .ci/long.sh FIRST_SEED [LAST_SEED] | trials | page" >&2; exit 2 ;;
+  *) echo "usage: bash .ci/long.sh FIRST_SEED [LAST_SEED] | trials | rigid | page" >&2; exit 2 ;;
 esac
-python3 .ci/long.py "$record" src/guide/long_runs.md
+python3 .ci/long.py "$record" "$rigid" src/guide/long_runs.md

@@ -21,4 +21,5 @@ mod extremes_table;
 mod first_version;
 mod held;
 mod long;
+mod long_rigid;
 mod patterns;
