@@ -74,7 +74,7 @@ pub trait Observer<R: Real = f64> {
     ///
     /// Requested samples are in addition to those after each step.
     #[inline]
-    fn asks_for(&self) -> Option<R> {
+    fn requested_time(&self) -> Option<R> {
         None
     }
 
@@ -87,12 +87,12 @@ pub trait Observer<R: Real = f64> {
         None
     }
 
-    /// Receives the state at a [requested time](Self::asks_for). The observer must then request
-    /// a later time.
+    /// Receives the state at a [requested time](Self::requested_time). The observer must then
+    /// request a later time.
     ///
     /// The sample does not affect the run.
     #[inline]
-    fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+    fn observe_requested(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
         let _ = sample;
         ControlFlow::Continue(())
     }
@@ -122,8 +122,8 @@ impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
     }
 
     #[inline]
-    fn asks_for(&self) -> Option<R> {
-        smaller(self.0.asks_for(), self.1.asks_for())
+    fn requested_time(&self) -> Option<R> {
+        smaller(self.0.requested_time(), self.1.requested_time())
     }
 
     #[inline]
@@ -131,13 +131,13 @@ impl<R: Real, A: Observer<R>, B: Observer<R>> Observer<R> for (A, B) {
         smaller(self.0.interval(), self.1.interval())
     }
 
-    fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+    fn observe_requested(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
         let mut flow = ControlFlow::Continue(());
-        if self.0.asks_for() == Some(sample.time) {
-            flow = self.0.observe_asked(sample);
+        if self.0.requested_time() == Some(sample.time) {
+            flow = self.0.observe_requested(sample);
         }
-        if self.1.asks_for() == Some(sample.time) {
-            let second = self.1.observe_asked(sample);
+        if self.1.requested_time() == Some(sample.time) {
+            let second = self.1.observe_requested(sample);
             flow = if flow.is_break() { flow } else { second };
         }
         flow

@@ -395,8 +395,8 @@ where
     /// derivatives with respect to velocities and pose. Every shorter step is stable too. A
     /// longer step can amplify small errors until the energy grows as well. Returns 0 if no step is
     /// stable: [`ForwardEuler`](crate::ForwardEuler) and [`Nystrom`](crate::Nystrom) amplify every
-    /// motion on a spring without a damper, such as an applied force or one of several surfaces. The
-    /// step size set in the integrator has no effect on the result.
+    /// motion on a spring without a damper, such as an applied force or one of several surfaces.
+    /// The step size set in the integrator has no effect on the result.
     ///
     /// *Limits:*
     ///

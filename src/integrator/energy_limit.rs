@@ -204,7 +204,7 @@ fn fallen<R: Real, D: Dynamics<R>>(
     let gravity = scene.gravity();
     let square = gravity.length_squared();
     let is_held = gravity.dot(end.position - start.position) == R::ZERO && square > R::ZERO;
-    if !is_held || (touching > 0 && is_borne(scene, start)) {
+    if !is_held || (touching > 0 && is_supported(scene, start)) {
         return None;
     }
     // Height divided by |g|, for a displacement along g.
@@ -219,7 +219,7 @@ fn fallen<R: Real, D: Dynamics<R>>(
 /// Returns true if the contacts support at least half of the body's weight.
 // Called rarely and in two places: a single, non-vectorised loop over the contacts is enough.
 #[inline(never)]
-fn is_borne<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
+fn is_supported<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> bool {
     let gravity = scene.gravity();
     let mut lift = R::ZERO;
     scene.visit_contacts(&scene.motion(state), |contact| {
@@ -328,7 +328,7 @@ pub(in crate::integrator) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     let balanced = end.linear_velocity.length() * mass <= impulse
         && end.angular_momentum.length() <= impulse * bounding_radius;
     let is_dying_out = last <= first && first > R::ZERO;
-    (is_dying_out || balanced) && is_borne(scene, end)
+    (is_dying_out || balanced) && is_supported(scene, end)
 }
 
 /// Returns the rounding error of the sum of the terms of two energies, J.

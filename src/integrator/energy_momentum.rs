@@ -134,26 +134,12 @@ pub use workspace::Workspace;
 ///   `f32`, rounding of the depths of hard contacts takes energy. Above `h ω = 300`, a rare step of
 ///   a smooth body other than a ball is not solved accurately. Up to a quarter of its energy of
 ///   motion is then lost, also that of a slide without friction.
-/// - *Single precision:* a body farther from the origin than `1/EPSILON` of its sizes can stay
-///   where it is. In flight, rounding changes the velocity across a tilted gravity at random, most
-///   in weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from
-///   1e-3 m/s² on. Resistance to rolling and spinning is linear where the angular speed and the
-///   turn speed together are below 5e-4 of the angular speed of the body, or below 8e-6 of the one
-///   that the weight gives it in a step (1e-12 and 1.4e-14 in `f64`). Friction is linear in
-///   the slip where its strain `dt c/m`, with c the force over the slip, would be above 128, and
-///   the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's
-///   fastest points, in world axes. Up to 1 of 200 oblique impacts at 1 to 4 m/s is still wrong by
-///   more than a hundredth of the momentum. On hard ground the end of a steep impact depends on the
-///   slip speed: at 1e-6 m/s, 1 of 17 steeper than 53° has another end by more than a hundredth,
-///   which is that of a law with a slip speed of about 1e-4 of the speed. A ball that rolls out
-///   under resistance to rolling on ground so hard that its weight is carried at a depth `m g/k`
-///   below 3e-6 radii can roll up to 2.4 times as far.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, and rims that roll with small slip at two
 ///   points close together, can take up to nine. In `f32` the same holds down to 1e-7 m/s, for a
-///   body that hardly moves (*single precision*). A rare step finds no stick and is divided. A body
-///   on a slope α then moves by up to `g sin α dt²/2`.
+///   body that hardly moves ([limits](#single-precision)). A rare step finds no stick and is
+///   divided. A body on a slope α then moves by up to `g sin α dt²/2`.
 /// - *Work* is bounded: at most 31 attempts of at most 6 × 60 evaluations each. At most 4 downhill
 ///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
 ///   the energy, and one more for each doubling of the excess energy. In contact, both velocities
@@ -168,6 +154,20 @@ pub use workspace::Workspace;
 ///   contacts, with some more iterations where neighbours slip differently. Nothing is allocated.
 /// - *Round rims:* the rims that touch share the storage that the contacts leave. A rim has up to
 ///   eight points between discontinuities, and fewer if more than twelve such pieces touch.
+///
+/// # Single precision
+///
+/// What holds in `f64` holds in `f32`, with these limits:
+///
+/// | of | limit in `f32` |
+/// |---|---|
+/// | the distance from the origin | a body beyond `1/EPSILON` of its sizes can stay where it is (also in `f64`) |
+/// | flight in tilted gravity from 1e-3 m/s², steps of 1 ms, 10 s | rounding changes the velocity across gravity at random, by at most 5e-5 of the speed a second |
+/// | resistance to rolling and spinning | linear where the angular speed and the turn speed together are below 5e-4 of the body's angular speed, or 8e-6 of the one that the weight gives it in a step (`f64`: 1e-12 and 1.4e-14) |
+/// | friction | linear in the slip where its strain `dt c/m` (`c` is the force over the slip) would be above 128, and the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's fastest points, in world axes |
+/// | oblique impacts at 1 to 4 m/s | up to 1 of 200 is wrong by more than a hundredth of the momentum |
+/// | impacts steeper than 53° on hard ground, slip speed 1e-6 m/s | 1 of 17 has another end by more than a hundredth: that of a slip speed of about 1e-4 of the speed |
+/// | a ball that rolls out, its weight carried at a depth `m g/k` below 3e-6 radii | it can roll up to 2.4 times as far |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {

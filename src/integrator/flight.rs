@@ -338,7 +338,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
             return time;
         }
         let momentum = self.state.angular_momentum;
-        for _ in 0..LOOKS {
+        for _ in 0..EVALUATIONS {
             let rotation = if time > R::ZERO {
                 self.turn.at(time)
             } else {
@@ -364,7 +364,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
 }
 
 /// Number of evaluations of the rotation before the ground is reached.
-const LOOKS: u32 = 16;
+const EVALUATIONS: u32 = 16;
 
 /// Returns the time up to which `height + rising s - bend s²/2` stays above 0, s.
 ///

@@ -229,13 +229,18 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
         let end = self.end;
         let lever = mass * absolute::<R>(gravity).dot(absolute::<R>(end.position));
         let is_within = |size: R| self.excess.abs() <= size * self.units;
-        let by_height = is_within(lever);
-        if self.is_done() || lever == R::ZERO || !(by_height || is_within(speed)) {
+        let adjusted = if is_within(lever) {
+            Adjusted::Position
+        } else {
+            Adjusted::Velocity
+        };
+        let is_rounding = is_within(lever) || is_within(speed);
+        if self.is_done() || lever == R::ZERO || !is_rounding {
             return;
         }
         let after = self.after;
         let gain = absolute::<R>(end.linear_velocity - start.linear_velocity);
-        let slope = slope_of(by_height, gravity, mass, &end);
+        let slope = adjusted.slope(gravity, mass, &end);
         let per_square = R::ONE / slope.length_squared();
         let mut seed = seed_of(&end);
         let (mut excess, mut taken) = (self.excess, R::ZERO);
@@ -243,13 +248,13 @@ impl<'a, R: Real, D: Dynamics<R>> Search<'a, R, D> {
             // The mean of all trials: their scatter is no reason to move the body.
             taken += excess / R::from_usize(trial as usize);
             let shift = slope * -(taken * per_square);
-            let state = near((&end, by_height), shift, (trial, gain), &mut seed);
+            let state = near((&end, adjusted), shift, (trial, gain), &mut seed);
             excess = self.consider(&state, &self.falling(&state, &after));
             if self.is_done() {
                 return;
             }
-            let slope = slope_of(by_height, gravity, mass, &state);
-            if let Some(state) = solved((&state, by_height), gravity, slope, excess, trial) {
+            let slope = adjusted.slope(gravity, mass, &state);
+            if let Some(state) = solved((&state, adjusted), gravity, slope, excess, trial) {
                 self.consider(&state, &self.falling(&state, &after));
                 if self.is_done() {
                     return;
@@ -384,12 +389,20 @@ fn last_places<R: Real>(trial: u32) -> R::Vec3 {
     R::Vec3::new(unit(0), unit(1), unit(2))
 }
 
-/// Derivative of the energy with respect to the position, or to the velocity.
-fn slope_of<R: Real>(by_height: bool, gravity: R::Vec3, mass: R, state: &State<R>) -> R::Vec3 {
-    if by_height {
-        gravity * -mass
-    } else {
-        state.linear_velocity * mass
+/// Vector of the state that is adjusted in a fall, beside last places of both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Adjusted {
+    Position,
+    Velocity,
+}
+
+impl Adjusted {
+    /// Derivative of the energy with respect to the vector.
+    fn slope<R: Real>(self, gravity: R::Vec3, mass: R, state: &State<R>) -> R::Vec3 {
+        match self {
+            Self::Position => gravity * -mass,
+            Self::Velocity => state.linear_velocity * mass,
+        }
     }
 }
 
@@ -402,7 +415,7 @@ fn absolute<R: Real>(v: R::Vec3) -> R::Vec3 {
 ///
 /// The components that gravity does not change stay as they are, unless they are shifted.
 fn near<R: Real>(
-    (end, by_height): (&State<R>, bool),
+    (end, adjusted): (&State<R>, Adjusted),
     shift: R::Vec3,
     (trial, gain): (u32, R::Vec3),
     seed: &mut u32,
@@ -414,10 +427,9 @@ fn near<R: Real>(
         _ => 2 + (trial - FINE_FALLS) * 8,
     } as usize);
     let none = R::Vec3::ZERO;
-    let (down, slower) = if by_height {
-        (shift, none)
-    } else {
-        (none, shift)
+    let (down, slower) = match adjusted {
+        Adjusted::Position => (shift, none),
+        Adjusted::Velocity => (none, shift),
     };
     State {
         position: scattered::<R>(end.position, down, (few, gain, R::MAX), seed),
@@ -460,7 +472,7 @@ fn scattered<R: Real>(
 ///
 /// Returns `None` if that component would change by more than rounding.
 fn solved<R: Real>(
-    (state, by_height): (&State<R>, bool),
+    (state, adjusted): (&State<R>, Adjusted),
     gravity: R::Vec3,
     slope: R::Vec3,
     excess: R,
@@ -475,26 +487,24 @@ fn solved<R: Real>(
     let axis = (0..3)
         .map(|next| axes[((trial + next) % 3) as usize])
         .find(|axis| gravity.dot(*axis) != zero)?;
-    let (number, units) = if by_height {
-        (state.position, SOLVED)
-    } else {
-        (state.linear_velocity, UNITS)
+    let (number, units) = match adjusted {
+        Adjusted::Position => (state.position, SOLVED),
+        Adjusted::Velocity => (state.linear_velocity, UNITS),
     };
     let by = excess / slope.dot(axis);
     let most = number.dot(axis).abs() * (R::EPSILON * R::from_f64(units));
     // False for a NaN, too.
     let is_rounding = by.abs() <= most;
     let number = number - axis * by;
-    is_rounding.then_some(if by_height {
-        State {
+    is_rounding.then_some(match adjusted {
+        Adjusted::Position => State {
             position: number,
             ..*state
-        }
-    } else {
-        State {
+        },
+        Adjusted::Velocity => State {
             linear_velocity: number,
             ..*state
-        }
+        },
     })
 }
 

@@ -79,7 +79,7 @@ impl<R: Real, O: Observer<R>> Observer<R> for Timed<O, R> {
         }
     }
 
-    fn asks_for(&self) -> Option<R> {
+    fn requested_time(&self) -> Option<R> {
         let next = self.interval * R::from_usize(self.looks as usize);
         next.is_finite().then_some(next)
     }
@@ -88,7 +88,7 @@ impl<R: Real, O: Observer<R>> Observer<R> for Timed<O, R> {
         Some(self.interval)
     }
 
-    fn observe_asked(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
+    fn observe_requested(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
         self.look(sample)
     }
 }

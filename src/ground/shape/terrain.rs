@@ -165,7 +165,7 @@ impl<R: Real, H: HeightField<R>> Shape<R> for Terrain<H> {
 
 /// Maximum number of elevations in a search. With the hessian a few are enough. Without it, 24
 /// elevations halve the distance to the nearest point 24 times.
-const LOOKS: u32 = 24;
+const ELEVATIONS: u32 = 24;
 /// Size of a step, in units in the last place, that counts as rounding.
 const ROUNDING: f64 = 16.0;
 
@@ -196,7 +196,7 @@ impl<R: Real> Foot<R> {
     fn nearest<H: HeightField<R>>(height_field: &H, point: R::Vec3) -> Self {
         let mut foot = Self::at(height_field, point, point.x(), point.y());
         let mut step = foot.step(point);
-        for _ in 1..LOOKS {
+        for _ in 1..ELEVATIONS {
             let rounding = foot.rounding(point);
             let is_step = step[0].abs() + step[1].abs() > rounding;
             if !is_step {

@@ -1,8 +1,8 @@
 //! Radau's implicit method of order 5, for stiff friction and stiff ground at high accuracy.
 //!
-//! The stages of a step: the Jacobian (`jacobian`, `curvature`), the increments of the three stages (`stages`,
-//! `reduced`, `linear`), and the error estimate. Touch-downs and step size control are those of the
-//! explicit pairs (`embedded_pair`).
+//! The stages of a step: the Jacobian (`jacobian`, `curvature`), the increments of the three stages
+//! (`stages`, `reduced`, `linear`), and the error estimate. Touch-downs and step size control are
+//! those of the explicit pairs (`embedded_pair`).
 //!
 //! # Estimate
 //!

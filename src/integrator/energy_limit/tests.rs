@@ -167,7 +167,7 @@ fn rounding_explains_the_speed_that_the_weight_gives_in_a_step() {
 fn a_body_is_at_rest_only_where_its_contacts_support_half_of_its_weight() {
     let scene = coin();
     for (share, supported) in [(0.49, false), (0.51, true), (1.5, true), (-1.0, false)] {
-        assert_eq!(is_borne(&scene, &at(share)), supported, "{share}");
+        assert_eq!(is_supported(&scene, &at(share)), supported, "{share}");
         assert_eq!(
             rests(&scene, [&at(share), &at(share)]),
             supported,

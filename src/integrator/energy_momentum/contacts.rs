@@ -315,7 +315,7 @@ impl<R: Real> Contacts<R> {
             self.remembered = self.panels.place_points((problem, trial), touches, room);
         }
         let mut done = 0;
-        if problem.is_bare {
+        if problem.is_bare() {
             for touch in self.touches.iter_mut().take(self.remembered) {
                 if touch.respond_on_level(problem, trial) {
                     visit(&touch.push);

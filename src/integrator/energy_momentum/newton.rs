@@ -56,7 +56,7 @@ use super::contacts::Contacts;
 use super::end_velocity::Strain;
 use super::hard;
 use super::linear::Factored;
-use super::problem::{Problem, Trial};
+use super::problem::{Forces, Problem, Trial};
 use super::rolling::{self, Rolling};
 use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
@@ -422,7 +422,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let hardness = here.stiffness * problem.seconds * problem.seconds / problem.mass;
         self.is_hard |= hardness > R::from_f64(HARD)
             && hardness < R::from_f64(HARDEST)
-            && problem.spring_factor.is_none()
+            && !matches!(problem.forces, Forces::Springs { factor: Some(_) })
             && !(contacts.has_others() || contacts.has_rims_near(problem));
     }
 

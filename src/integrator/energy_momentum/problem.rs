@@ -33,6 +33,18 @@ const ROUNDINGS: f64 = 1024.0;
 /// instead, the worst hundredth of the impacts of random boxes had four times the error.
 const RESOLVED: f64 = 128.0;
 
+/// Forces that act in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Forces<R: Real> {
+    /// Those of all laws, on points of the body without a radius, and the ground is level.
+    BarePoints,
+    /// Those of all laws, on contacts of any kind and ground of any shape.
+    AnyContacts,
+    /// Springs alone, without friction and dampers. The factor multiplies them during a
+    /// [continuation](super::soften).
+    Springs { factor: Option<R> },
+}
+
 /// Data of a step at its start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Problem<'a, R: Real, D> {
@@ -45,13 +57,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) angular_momentum: R::Vec3,
     /// The ground, if it is one plane.
     pub(super) plane: Option<Plane<R>>,
-    /// Whether the ground is level, all contacts are bare points of the body, and friction and
-    /// dampers act.
-    pub(super) is_bare: bool,
-    /// Whether friction and dampers are left out.
-    pub(super) is_conservative: bool,
-    /// Factor of the springs during a continuation, where friction and dampers are left out.
-    pub(super) spring_factor: Option<R>,
+    pub(super) forces: Forces<R>,
     pub(super) seconds: R,
     pub(super) per_second: R,
     /// Time for which the applied force acts after the step, s.
@@ -162,9 +168,11 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             },
             angular_momentum: start.angular_momentum,
             plane,
-            is_bare: plane.is_some_and(|plane| plane.is_level()) && model.has_bare_points(),
-            is_conservative: false,
-            spring_factor: None,
+            forces: if plane.is_some_and(|plane| plane.is_level()) && model.has_bare_points() {
+                Forces::BarePoints
+            } else {
+                Forces::AnyContacts
+            },
             seconds,
             per_second: R::ONE / seconds,
             force_seconds: R::ZERO,
@@ -199,18 +207,23 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// Returns true if friction and dampers are left out. It is never true for bare contacts on
-    /// level ground, which is stated here so that their loops need no check.
+    /// Returns true if the contacts are bare points of the body on level ground.
+    #[inline(always)]
+    pub(super) fn is_bare(&self) -> bool {
+        matches!(self.forces, Forces::BarePoints)
+    }
+
+    /// Returns true if friction and dampers are left out.
     #[inline(always)]
     fn is_without_loss(&self) -> bool {
-        self.is_conservative && !self.is_bare
+        matches!(self.forces, Forces::Springs { .. })
     }
 
     /// Returns true if contacts resist rolling and spinning. It is a constant of most friction
     /// laws, so that a program does not contain what it does not need.
     #[inline(always)]
     pub(super) fn resists_turning(&self) -> bool {
-        !self.is_conservative && self.scene.friction().rolling_resistance(R::ZERO).is_some()
+        !self.is_without_loss() && self.scene.friction().rolling_resistance(R::ZERO).is_some()
     }
 
     /// [`resolution`] of the angular velocity, rad/s.
@@ -273,19 +286,24 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// over the step.
     #[inline(always)]
     pub(super) fn mean_force(&self, surface: u32, start: R, end: R) -> MeanForce<R> {
-        if self.is_without_loss() {
-            self.mean_force_of_springs(surface, start, end)
-        } else {
-            self.ground(surface).mean_force(start, end, self.seconds)
+        match self.forces {
+            Forces::Springs { factor } => self.mean_force_of_springs(factor, surface, start, end),
+            _ => self.ground(surface).mean_force(start, end, self.seconds),
         }
     }
 
-    /// Mean force of the springs alone. During a [continuation](super::soften) they are softer, and
-    /// a contact that starts in the ground is deeper, so that its spring has the same energy.
+    /// Mean force of the springs alone. If a factor makes them softer, a contact that starts in the
+    /// ground is deeper, so that its spring has the same energy.
     #[cold]
-    fn mean_force_of_springs(&self, surface: u32, start: R, end: R) -> MeanForce<R> {
+    fn mean_force_of_springs(
+        &self,
+        factor: Option<R>,
+        surface: u32,
+        start: R,
+        end: R,
+    ) -> MeanForce<R> {
         let ground = self.ground(surface);
-        let Some(factor) = self.spring_factor else {
+        let Some(factor) = factor else {
             return mean_force_of(&Springs(&ground), start, end, self.seconds);
         };
         let deeper = start.at_least(R::ZERO) * (R::ONE / factor.sqrt() - R::ONE);

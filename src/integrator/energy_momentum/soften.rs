@@ -27,7 +27,7 @@
 use super::contacts::Contacts;
 use super::gather::gather;
 use super::newton;
-use super::problem::{Problem, Trial};
+use super::problem::{Forces, Problem, Trial};
 use crate::energy::Energy;
 use crate::integrator::Step;
 use crate::real::Real;
@@ -94,7 +94,9 @@ fn stage<R: Real, D: Dynamics<R>>(
     factor: R,
     step: &mut Step<R>,
 ) -> Option<Trial<R>> {
-    problem.spring_factor = Some(factor);
+    problem.forces = Forces::Springs {
+        factor: Some(factor),
+    };
     gather(problem, contacts, true);
     let mut trial = *from;
     newton::solve(problem, contacts, &mut trial, step)?;

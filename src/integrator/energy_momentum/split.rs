@@ -10,7 +10,7 @@
 use super::contacts::Contacts;
 use super::gather::gather;
 use super::newton;
-use super::problem::Problem;
+use super::problem::{Forces, Problem};
 use super::resist::{Resisting, resisted};
 use super::shared::{End, visit_contacts};
 use super::soften;
@@ -43,8 +43,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
         return None;
     }
     let mut problem = Problem {
-        is_conservative: true,
-        is_bare: false,
+        forces: Forces::Springs { factor: None },
         ..Problem::new(scene, &slowed, &energy, seconds)
     };
     problem.prepare();

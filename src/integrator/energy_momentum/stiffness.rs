@@ -64,14 +64,14 @@ impl<R: Real> Others<R> {
             });
             let push = &touch.push;
             others.strain.add(push, &answer.jacobian);
-            if problem.is_bare {
+            if problem.is_bare() {
                 let path = of_level_path(problem, touch, &answer);
                 level.add(&path, push.force, push.arm, push.end_arm);
             } else {
                 others.differentiate(problem, trial, &argument, touch, &answer);
             }
         });
-        if problem.is_bare {
+        if problem.is_bare() {
             let share = share_of_arm(problem);
             level.equations(R::ZERO, &Block::ZERO, share, &mut others.equations);
         }
@@ -140,7 +140,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     let (mass, inertia) = inertial(problem, trial, &argument);
     let share = share_of_arm(problem);
     let mut strain = others.map_or(Strain::NONE, |others| others.strain);
-    if problem.is_bare {
+    if problem.is_bare() {
         let mut level = Level::ZERO;
         contacts.answer(problem, trial, |touch, answer| {
             let push = &touch.push;

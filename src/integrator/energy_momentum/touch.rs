@@ -414,7 +414,7 @@ impl<R: Real> Touch<R> {
         problem: &Problem<'_, R, D>,
         trial: &Trial<R>,
     ) {
-        if problem.is_bare {
+        if problem.is_bare() {
             self.respond_on_level(problem, trial);
         } else {
             self.respond(problem, trial);

@@ -50,7 +50,7 @@ use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::Dynamics;
 use crate::state::State;
-use crossing::Looks;
+use crossing::SeenStages;
 use stages::{END, THIRD_DIFFERENCE};
 pub(in crate::integrator) use stages::{Stage, Start};
 
@@ -208,7 +208,7 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
             |free, point, seconds| free_orientation::<_, _, ESTIMATED>(free, point, seconds),
         );
         let (end, [correction, replaced]) =
-            crossing::corrected::<_, _, ESTIMATED>(scene, &Looks::at(stages), end, seconds);
+            crossing::corrected::<_, _, ESTIMATED>(scene, &SeenStages::at(stages), end, seconds);
         let [.., fourth] = stages;
         Taken {
             end,

@@ -99,7 +99,7 @@ fn a_component_along_gravity_is_solved_for_whichever_it_is() {
         for trial in 1..4 {
             let (gravity, slope) = (axis * -10.0, axis * 20.0);
             let excess = 8.0 * f64::EPSILON;
-            let end = solved((&state, true), gravity, slope, excess, trial).unwrap();
+            let end = solved((&state, Adjusted::Position), gravity, slope, excess, trial).unwrap();
             let expected = state.position - axis * (excess / 20.0);
             assert_eq!(end.position, expected, "{axis} {trial}");
         }

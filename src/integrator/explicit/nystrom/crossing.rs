@@ -19,7 +19,7 @@ use crate::scene::{Dynamics, OnSurface};
 #[inline(always)]
 pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
-    stages: &Looks<'_, R>,
+    stages: &SeenStages<'_, R>,
     end: Point<R>,
     seconds: R,
 ) -> (Point<R>, [Load<R>; 2]) {
@@ -41,14 +41,14 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
 }
 
 /// What the correction sees of the stages.
-pub(super) struct Looks<'a, R: Real> {
+pub(super) struct SeenStages<'a, R: Real> {
     /// Motions of the first, third and last stage.
     pub(super) motions: [&'a Motion<R>; 3],
     /// Contact ranges of the first and last stage.
     pub(super) ranges: [ContactRange; 2],
 }
 
-impl<'a, R: Real> Looks<'a, R> {
+impl<'a, R: Real> SeenStages<'a, R> {
     #[inline(always)]
     pub(super) fn at([first, _, third, last]: [&'a Stage<R>; 4]) -> Self {
         Self {
@@ -72,7 +72,7 @@ struct Missed<R: Real> {
 #[inline(always)]
 fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
-    stages: &Looks<'_, R>,
+    stages: &SeenStages<'_, R>,
     end: &Motion<R>,
     seconds: R,
 ) -> Missed<R> {
@@ -92,7 +92,7 @@ fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
 #[inline(always)]
 fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
-    stages: &Looks<'_, R>,
+    stages: &SeenStages<'_, R>,
     end: &Motion<R>,
     seconds: R,
     missed: &mut Missed<R>,

@@ -3,7 +3,7 @@
 
 mod changes;
 
-use super::crossing::{self, Looks};
+use super::crossing::{self, SeenStages};
 use super::stages::{Accelerated, END, FOURTH, Row, SECOND, THIRD, bend};
 use crate::body::{ContactRange, InertiaProperties};
 use crate::contact::{AxesInLanes, LANES, Loads, Motions, Vectors};
@@ -221,7 +221,7 @@ fn correct_lane<R: Real, D: Dynamics<R>>(
     seconds: R,
 ) {
     let [first, third, last] = poses.map(|pose| pose.motions().get(i));
-    let stages = Looks {
+    let stages = SeenStages {
         motions: [&first, &third, &last],
         ranges: [poses[0].ranges[i], poses[2].ranges[i]],
     };
