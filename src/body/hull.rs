@@ -24,7 +24,7 @@ impl<R: Real> MassProperties<R> {
     {
         check_vertices::<R>(points)?;
         let mut volume = Volume::<R>::about(points)?;
-        let hull = Hull::<R, V>::of(points, |&point| point);
+        let hull = Hull::<R, V>::of(points, |&point| point, R::ZERO);
         for first in 0..points.len() {
             for second in first + 1..points.len() {
                 hull.each_triangle(first, second, |corners| volume.add(corners));
@@ -86,8 +86,9 @@ impl<R: Real> FacetPlane<R> {
 }
 
 impl<'a, R: Real, T> Hull<'a, R, T> {
-    /// Hull of the positions of `points`.
-    pub(crate) fn of(points: &'a [T], position: fn(&T) -> R::Vec3) -> Self {
+    /// Hull of the positions of `points`. Points within `noise` of its size from a plane are on it,
+    /// and within 256 units in the last place in any case.
+    pub(crate) fn of(points: &'a [T], position: fn(&T) -> R::Vec3, noise: R) -> Self {
         let middle = points.first().map(position).unwrap_or_default();
         let size = points.iter().fold(R::ZERO, |size, point| {
             size.at_least((position(point) - middle).length())
@@ -95,7 +96,7 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
         Self {
             points,
             position,
-            thickness: size * R::EPSILON * R::from_f64(256.0),
+            thickness: size * noise.at_least(R::EPSILON * R::from_f64(256.0)),
         }
     }
 

@@ -7,14 +7,19 @@ use crate::real::{Real, Vector};
 /// Facet of the convex hull of a body's contacts, on which the body lies.
 ///
 /// It is named by the smallest numbers of three contacts on it that are not on one line, so that no
-/// two facets have the same name. Contacts within 256 units in the last place of the hull's size
-/// from the facet's plane are on it.
+/// two facets have the same name. Contacts within 1e-5 of the hull's size from the facet's plane are
+/// on it (3e-5 in `f32`), so that a face keeps its corners if they are rounded, as in a file with six
+/// digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HullFace {
     /// Numbers of three contacts, in increasing order.
     pub contacts: [usize; 3],
 }
+
+/// Largest distance of a contact from the plane of its facet, relative to the size of the hull. It
+/// lowers the barriers by four times as much.
+const NOISE: f64 = 1e-5;
 
 impl HullFace {
     /// Returns the facet below the centre of mass for a direction that points down, with the height
@@ -25,12 +30,14 @@ impl HullFace {
     /// of the centre of mass from the nearest edge of the facet, plus the least radius.
     ///
     /// Returns `None` if the centre of mass is outside the hull of the contacts' positions. It is
-    /// also `None` for a facet that rounding does not tell from its neighbour: contacts are on the
-    /// plane of one and just off that of the other, as those of a face with noise of some hundred
-    /// units in the last place, or of a very flat body.
+    /// also `None` for a facet that is not told from its neighbour: contacts are on the plane of one
+    /// and just off that of the other, as those of a face with noise of 1e-5 of the hull's size, or
+    /// of a very flat body.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
-    /// of its neighbour is lower than it could be. *Cost:* of the order of the number of contacts
+    /// of its neighbour is lower than it could be. A face whose corners have more noise than 1e-5
+    /// of the hull's size is several facets. If an edge between them passes below the centre of
+    /// mass, there is no barrier, and the face is never decided. *Cost:* of the order of the number of contacts
     /// times the number of corners of the facets that are passed, with the last one's neighbours.
     #[must_use]
     pub fn basin<R: Real, B: RigidPointBody<R> + ?Sized>(
@@ -38,7 +45,8 @@ impl HullFace {
         down: R::Vec3,
     ) -> Option<Basin<Self, R>> {
         let contacts = body.contacts();
-        let hull = Hull::<R, ContactPoint<R>>::of(contacts, |contact| contact.position);
+        let noise = R::from_f64(NOISE);
+        let hull = Hull::<R, ContactPoint<R>>::of(contacts, |contact| contact.position, noise);
         let plane = hull.facet_along(down)?;
         let edges = hull.edges(&plane).map(|edge| distance_of_segment(edge));
         let nearest = edges.reduce(R::at_most)?;
@@ -99,7 +107,7 @@ mod tests {
     }
 
     /// The facet `+z` is 12 from the middle and its nearest edges 3 further out. The thickness is
-    /// 256 units in the last place of the longest path from the first corner, 26.
+    /// 1e-5 of the longest path from the first corner, 26.
     #[test]
     fn the_height_of_a_facet_is_lowered_by_four_times_the_thickness_of_the_hull() {
         let radius = 0.5;
@@ -107,12 +115,48 @@ mod tests {
         let body = PointCloud::with_storage(contacts, &[0.125; 8]).unwrap();
         let basin = HullFace::basin(&body, DVec3::new(0.1, -0.2, 1.0).normalize()).unwrap();
         assert_eq!(basin.face.contacts, [4, 5, 6]);
-        let thickness = 256.0 * f64::EPSILON * 26.0;
+        let thickness = 1e-5 * 26.0;
         let lowered = 153.0_f64.sqrt() + radius - basin.height;
         assert!(
             (lowered / (4.0 * thickness) - 1.0).abs() < 1e-2,
             "{lowered:e}"
         );
+    }
+
+    /// A hexagonal prism in any orientation, with its corners rounded to six digits: each facet is
+    /// whole, and its barrier is that of the exact prism. The least is a third of the way to its
+    /// edge, so that a face which is split in two would show.
+    #[test]
+    fn a_face_with_rounded_corners_is_one_facet() {
+        let turned = |number: u32| {
+            let axis = DVec3::new(f64::from(number), 3.0, f64::from(number * number % 7)) - 4.0;
+            glam::DQuat::from_axis_angle(axis.normalize(), 0.37 * f64::from(number))
+        };
+        let corner = |index: usize| {
+            #[allow(clippy::cast_precision_loss)] // Below 12.
+            let angle = (index % 6) as f64 * core::f64::consts::FRAC_PI_3;
+            DVec3::new(angle.cos(), angle.sin(), if index < 6 { -0.8 } else { 0.8 })
+        };
+        let sides = (0..6).map(|index| {
+            let angle = (f64::from(index) + 0.5) * core::f64::consts::FRAC_PI_3;
+            DVec3::new(angle.cos(), angle.sin(), 0.0)
+        });
+        let facets = sides.chain([DVec3::Z, -DVec3::Z]);
+        for number in 1..=100 {
+            let rotation = turned(number);
+            let exact: [DVec3; 12] = core::array::from_fn(|index| rotation * corner(index));
+            let rounded = exact.map(|corner| (corner * 1e6).round() * 1e-6);
+            let basin = |corners, down| {
+                let body = PointCloud::new(corners, [1.0; 12]).unwrap();
+                HullFace::basin(&body, rotation * down).unwrap()
+            };
+            for down in facets.clone() {
+                let [expected, basin] = [exact, rounded].map(|corners| basin(corners, down));
+                assert_eq!(basin.face, expected.face);
+                let apart = (basin.height - expected.height).abs();
+                assert!(apart < 1e-5, "{number}, {down}: {apart:e} m");
+            }
+        }
     }
 
     #[test]

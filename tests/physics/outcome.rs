@@ -397,7 +397,11 @@ fn a_box_has_the_same_barriers_as_the_hull_of_its_corners() {
             sharp.basin(down).unwrap(),
             HullFace::basin(&sharp, down).unwrap(),
         );
-        let difference = (exact.height - general.height) / throw.radius;
+        // By four times 1e-5 of the longest path between two corners.
+        let corners = sharp.contacts();
+        let from_first = |corner: &ContactPoint| corner.position.distance(corners[0].position);
+        let lowered = 4e-5 * corners.iter().map(from_first).fold(0.0, f64::max);
+        let difference = (exact.height - general.height - lowered) / throw.radius;
         assert!(difference.abs() < 1e-11, "{exact:?} {general:?}");
     }
 }
