@@ -190,8 +190,8 @@ where
     ///
     /// The proof holds for all later states. The outcome of a later state may still be
     /// [`Undecided`](Outcome::Undecided), if the error bound of its energy is larger: more contacts
-    /// touch, or their depths have a larger rounding error, as in single precision. Keep the first
-    /// decision.
+    /// touch, or their depths have a larger rounding error, as in single precision. It may also be
+    /// if [`Faces::basin`] has no answer for its direction. Keep the first decision.
     ///
     /// A state whose kinetic and potential energy alone is above the barrier costs no evaluation of
     /// a contact.
