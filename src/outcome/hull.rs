@@ -7,9 +7,9 @@ use crate::real::{Real, Vector};
 /// Facet of the convex hull of a body's contacts, on which the body lies.
 ///
 /// It is named by the smallest numbers of three contacts on it that are not on one line, so that no
-/// two facets have the same name. Contacts within 1e-5 of the hull's size from the facet's plane are
-/// on it (3e-5 in `f32`), so that a face keeps its corners if they are rounded, as in a file with six
-/// digits.
+/// two facets have the same name. Contacts within 1e-5 of the hull's size from the facet's plane
+/// are on it (3e-5 in `f32`), so that a face keeps its corners if they are rounded, as in a file
+/// with six digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HullFace {
@@ -30,15 +30,16 @@ impl HullFace {
     /// of the centre of mass from the nearest edge of the facet, plus the least radius.
     ///
     /// Returns `None` if the centre of mass is outside the hull of the contacts' positions. It is
-    /// also `None` for a facet that is not told from its neighbour: contacts are on the plane of one
-    /// and just off that of the other, as those of a face with noise of 1e-5 of the hull's size, or
-    /// of a very flat body.
+    /// also `None` for a facet that is not told from its neighbour: contacts are on the plane of
+    /// one and just off that of the other, as those of a face with noise of 1e-5 of the hull's
+    /// size, or of a very flat body.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
     /// of its neighbour is lower than it could be. A face whose corners have more noise than 1e-5
     /// of the hull's size is several facets. If an edge between them passes below the centre of
-    /// mass, there is no barrier, and the face is never decided. *Cost:* of the order of the number of contacts
-    /// times the number of corners of the facets that are passed, with the last one's neighbours.
+    /// mass, there is no barrier, and the face is never decided. *Cost:* of the order of the number
+    /// of contacts times the number of corners of the facets that are passed, with the last one's
+    /// neighbours.
     #[must_use]
     pub fn basin<R: Real, B: RigidPointBody<R> + ?Sized>(
         body: &B,
