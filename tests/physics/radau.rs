@@ -291,7 +291,7 @@ fn steps_on(body: impl RigidPointBody, shape: impl Shape, height: f64) -> u64 {
     session.step_count()
 }
 
-/// The normal turns as a body rolls on curved ground. Without the effect on the slip in the
+/// The normal rotates as a body rolls on curved ground. Without the effect on the slip in the
 /// Jacobian, a body that rolls takes steps in proportion to `1/slip_speed`: the ball here 70 to 160
 /// times as many as on a plane. The capsule touches the bowls with both ends.
 #[test]

@@ -1,7 +1,7 @@
 //! Curved ground in the Jacobian.
 //!
-//! On curved ground the normal `n` turns as a contact moves along it, and the contact of a ball or
-//! of a smooth body moves over the body's surface as the normal turns. Let `S` be the derivative of
+//! On curved ground the normal `n` rotates as a contact moves along it, and the contact of a ball or
+//! of a smooth body moves over the body's surface as the normal rotates. Let `S` be the derivative of
 //! the normal along the ground, and `H` that of the arm with respect to the normal. A contact that
 //! moves by `p` on its tangent plane then has
 //!
@@ -20,7 +20,7 @@
 //! δF = θ × F + Q (ω × δr - θ × u)
 //! ```
 //!
-//! `Q` of friction in stick is large, so a body that rolls on curved ground feels it.
+//! `Q` of friction in stick is large, and so is this term where a body rolls on curved ground.
 
 use crate::contact::{Contact, any_across};
 use crate::ground::SpringDamperGround;
@@ -35,7 +35,7 @@ const LEAST_DETERMINANT: f64 = 1e-3;
 pub(super) struct Curved<R: Real> {
     normal: R::Vec3,
     /// Change of the normal, 1/m.
-    turn: Block<R>,
+    change: Block<R>,
     /// Displacement of the arm over the body.
     pub(super) over: Block<R>,
 }
@@ -56,30 +56,30 @@ impl<R: Real> Curved<R> {
         let first = any_across::<R>(normal);
         let tangents = [first, normal.cross(first)];
         let by_normal = tangents.map(|tangent| {
-            let turn = normal.cross(tangent);
-            turn.cross(contact.arm) - moved.times(turn)
+            let rotation = normal.cross(tangent);
+            rotation.cross(contact.arm) - moved.times(rotation)
         });
         let arm = in_plane(&tangents, &by_normal);
-        let ground = in_plane(&tangents, &turns_of_normal(scene, contact, &tangents));
-        let turn = solved(&ground, &arm)?;
+        let ground = in_plane(&tangents, &changes_of_normal(scene, contact, &tangents));
+        let change = solved(&ground, &arm)?;
         Some(Self {
             normal,
-            turn: in_space(&tangents, &turn),
-            over: in_space(&tangents, &product(&arm, &turn)),
+            change: in_space(&tangents, &change),
+            over: in_space(&tangents, &product(&arm, &change)),
         })
     }
 
     /// Change of a vector that is rotated with the normal.
     pub(super) fn rotated(&self, vector: R::Vec3) -> Block<R> {
-        let Block { x, y, z } = self.turn;
+        let Block { x, y, z } = self.change;
         let along = R::Vec3::new(x.dot(vector), y.dot(vector), z.dot(vector));
-        let rising = self.turn.scaled(self.normal.dot(vector));
+        let rising = self.change.scaled(self.normal.dot(vector));
         rising.plus(&Block::outer(-self.normal, along))
     }
 }
 
 /// Change of the ground's normal along each tangent, per displacement, 1/m.
-fn turns_of_normal<R: Real, D: Dynamics<R>>(
+fn changes_of_normal<R: Real, D: Dynamics<R>>(
     scene: &D,
     contact: &Contact<R>,
     tangents: &[R::Vec3; 2],

@@ -22,7 +22,7 @@
 //! force with respect to depth and closing speed, `f` is the derivative of friction with respect to
 //! the normal force, and `D` that with respect to the slip.
 //!
-//! [`Curved`] ground adds what follows from the turn of the normal.
+//! [`Curved`] ground adds what follows from the rotation of the normal.
 //!
 //! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces.
 
