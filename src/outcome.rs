@@ -158,7 +158,7 @@ where
     /// Computes the barriers of a scene.
     ///
     /// Returns `None` if there is no bound: no ground, ground that moves or is not a level plane,
-    /// gravity that does not point along -z, or springs so soft that they do not carry the body. It
+    /// gravity that does not point along -z, or springs that are too soft to support the body. It
     /// also returns `None` if an applied force is not passive.
     ///
     /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim
@@ -190,8 +190,8 @@ where
     ///
     /// The proof holds for all later states. The outcome of a later state may still be
     /// [`Undecided`](Outcome::Undecided), if the error bound of its energy is larger: more contacts
-    /// touch, or their depths have a larger rounding error, as in single precision. It may also be
-    /// if [`Faces::basin`] has no answer for its direction. Keep the first decision.
+    /// touch, or their depths have a larger rounding error, as in single precision. It is also
+    /// undecided if [`Faces::basin`] returns `None` for its direction. Keep the first decision.
     ///
     /// A state whose kinetic and potential energy alone is above the barrier costs no evaluation of
     /// a contact.

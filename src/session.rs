@@ -329,7 +329,7 @@ where
         (self.stepper).move_on_from(before, &mut self.state, limit, workspace)
     }
 
-    /// Advances the state by exactly `seconds`, at least 0, like [`Stepper::advance`].
+    /// Advances the state by `seconds`, at least 0, like [`Stepper::advance`].
     ///
     /// # Errors
     /// Returns [`StepError`] if [`Stepper::advance`] does. State and clock are then those after the

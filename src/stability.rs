@@ -27,9 +27,9 @@
 //! scalar oscillator `y'' + δ y' + κ y = 0` with (κ, δ) in that range.
 //!
 //! A Runge-Kutta method is stable if it is stable for all of these oscillators. The same holds for
-//! two other methods. The step of semi-implicit Euler is a quadratic pencil in its own factor. The
-//! pencil of Strang splitting has the mass `(1 - h C/2)⁻¹`, and the quotient of that is at least
-//! `1/(1 - h δ/2)`.
+//! two other methods. The amplification factor of a step of `SymplecticEuler` solves a quadratic
+//! eigenvalue problem in the same matrices. In that of Strang splitting the mass is `(1 - h
+//! C/2)⁻¹`, whose quotient is at least `1/(1 - h δ/2)`.
 //!
 //! The range is enclosed by its supporting lines: the largest eigenvalue of `p K + q C` bounds
 //! `p κ + q δ`. The limit is the smallest of the scalar limits along the outline of that polygon.

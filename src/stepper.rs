@@ -363,8 +363,8 @@ where
     /// stays.
     ///
     /// Returns `None` if there is no bound: no ground, ground that moves or is not a level plane,
-    /// gravity that does not point along -z, or springs that do not carry the body. It also returns
-    /// `None` if an applied force is not passive. Call it once for many states.
+    /// gravity that does not point along -z, or springs too soft to support the body. It also
+    /// returns `None` if an applied force is not passive. Call it once for many states.
     #[must_use]
     #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
     pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R, E>, R>>
@@ -410,9 +410,10 @@ where
     ///   less than 1 rad.
     /// * The bound is proven for contacts that stick or slide, not in between: where the damping by
     ///   friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness
-    ///   along the normal. With [`Nystrom`](crate::Nystrom), friction can make it up to 10 % too long.
-    /// * Lift turns the velocity, as rotation does. The bound counts its rate as one of damping.
-    /// * One call costs some ten thousand multiplications. It is too expensive to call at every
+    ///   along the normal. With [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long
+    ///   because of friction.
+    /// * Lift rotates the velocity. The bound counts its rate as one of damping.
+    /// * One call costs some tens of thousands of multiplications, too many to call it at every
     ///   step.
     ///
     /// ```
@@ -498,12 +499,12 @@ where
         }
     }
 
-    /// Advances a state by exactly `seconds`, which must be at least 0.
+    /// Advances a state by `seconds`, which must be at least 0.
     ///
-    /// The time that has passed differs from `seconds` by at most one unit in its last place. A
-    /// difference occurs only because a whole number of steps is kept whole. Ten steps of 0.1 s and
-    /// an advance by 1 s therefore give the same bits. In `f32` this holds up to 2²⁶ steps. Beyond
-    /// that, the clock may be wrong by one more unit for each 2²⁶ steps.
+    /// The time that has passed differs from `seconds` by at most one unit in its last place. It
+    /// differs only if `seconds` is a whole number of steps up to rounding: no short step is added.
+    /// Ten steps of 0.1 s and an advance by 1 s therefore give the same bits. In `f32` this holds
+    /// up to 2²⁶ steps. Beyond that, the clock may be wrong by one more unit for each 2²⁶ steps.
     ///
     /// Each step is taken, at rest too. A [`Session`](crate::Session) counts the steps of a body at
     /// rest instead.
@@ -518,9 +519,9 @@ where
         Ok(())
     }
 
-    /// Advances a state by exactly `seconds` and calls `observer` at the start and after each step.
-    /// Returns the time that the run has covered, s. It is less than `seconds` if the observer
-    /// ended the run.
+    /// Advances a state like [`advance`](Self::advance) and calls `observer` at the start and after
+    /// each step. Returns the time that the run has covered, s. It is less than `seconds` if the
+    /// observer ended the run.
     ///
     /// # Errors
     /// Returns the errors of [`advance`](Self::advance). Returns [`StepError::TooManySamples`] if

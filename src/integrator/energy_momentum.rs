@@ -82,8 +82,10 @@ pub use workspace::Workspace;
 /// The default of the crate.
 ///
 /// `stepper.energy(&after).total() <= stepper.energy(&before).total()` holds for every step,
-/// without a tolerance, in every valid scene. It holds for any step size, stiffness, damping,
-/// friction, spin, size and shape. [`guide::energy`](crate::guide::energy) contains the derivation.
+/// without a tolerance, in every valid scene without a drive. It holds for any step size,
+/// stiffness, damping, friction, spin, size and shape. If a moving ground or an applied force
+/// drives the body, the energy increases at most by [`Step::drive_work`].
+/// [`guide::energy`](crate::guide::energy) contains the derivation.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -111,8 +113,9 @@ pub use workspace::Workspace;
 ///   the damper force. The exception is a smooth body in a valley that is more curved than itself,
 ///   whose force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
-///   is a step (`fallback`) of which even a small part has no solution: it may lose any part of the
-///   energy. Such steps are rare, and need hard ground (*long steps*).
+///   is a step whose equations have no solution even in its smallest parts (reported by
+///   `fallback`). It may lose any part of the energy. Such steps are rare, and need hard ground
+///   (*long steps*).
 /// - *Stable* for any step size. A step in which free motion would exceed 1e25 sizes of the body
 ///   may return [`StepTooLong`](crate::StepError::StepTooLong).
 /// - *Accurate* if the step resolves the contact: `dt < 1/ω` for the step size `dt`, with
@@ -131,8 +134,8 @@ pub use workspace::Workspace;
 ///   mass over the square of the step size. Above that, and for bodies with a rim or with more
 ///   contacts than are stored, many steps take the first fallback. In it the springs harden in
 ///   stages, which costs some tens of iterations. Elastic bounces conserve their energy in it. In
-///   `f32`, rounding of the depths of hard contacts takes energy. Above `h ω = 300`, a rare step of
-///   a smooth body other than a ball is not solved accurately. Up to a quarter of its energy of
+///   `f32`, rounding of the depths of hard contacts takes energy. Above `ω dt = 300`, a rare step
+///   of a smooth body other than a ball is not solved accurately. Up to a quarter of its energy of
 ///   motion is then lost, also that of a slide without friction.
 /// - *Stick* costs about the same at any slip speed of the friction law down to 1e-12 m/s. In `f64`
 ///   the average is two to five iterations a step, also where several contacts or a round rim
@@ -140,11 +143,11 @@ pub use workspace::Workspace;
 ///   points close together, can take up to nine. In `f32` the same holds down to 1e-7 m/s, for a
 ///   body that hardly moves ([limits](#single-precision)). A rare step finds no stick and is
 ///   divided. A body on a slope α then moves by up to `g sin α dt²/2`.
-/// - *Work* is bounded: at most 31 attempts of at most 6 × 60 evaluations each. At most 4 downhill
-///   searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs one evaluation of
-///   the energy, and one more for each doubling of the excess energy. In contact, both velocities
-///   are scaled down if the solver's error would increase the energy. In flight, the last places of
-///   the orientation, the height or the speed are corrected.
+/// - *Cost of the worst step* is bounded: at most 31 attempts of at most 6 × 60 evaluations each.
+///   At most 4 downhill searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs
+///   one evaluation of the energy, and one more for each doubling of the excess energy. In contact,
+///   both velocities are scaled down if the solver's error would increase the energy. In flight,
+///   the last places of the orientation, the height or the speed are corrected.
 /// - *Diagnostics* of a step that is too long: [`Step`] contains the number of iterations, whether
 ///   the step needed a fallback (`fallback`), and the energy that the solver's error would have
 ///   added (`energy_removed`).
@@ -159,15 +162,15 @@ pub use workspace::Workspace;
 ///
 /// What holds in `f64` holds in `f32`, with these limits:
 ///
-/// | of | limit in `f32` |
+/// | quantity or motion | limit in `f32` |
 /// |---|---|
 /// | the distance from the origin | a body beyond `1/EPSILON` of its sizes can stay where it is (also in `f64`) |
 /// | flight in tilted gravity from 1e-3 m/s², steps of 1 ms, 10 s | rounding changes the velocity across gravity at random, by at most 5e-5 of the speed a second |
 /// | resistance to rolling and spinning | linear where the angular speed and the turn speed together are below 5e-4 of the body's angular speed, or 8e-6 of the one that the weight gives it in a step (`f64`: 1e-12 and 1.4e-14) |
-/// | friction | linear in the slip where its strain `dt c/m` (`c` is the force over the slip) would be above 128, and the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's fastest points, in world axes |
+/// | friction | linear in the slip where `dt c/m` (`c` is the friction force over the slip) would be above 128, and the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's fastest points, in world axes |
 /// | oblique impacts at 1 to 4 m/s | up to 1 of 200 is wrong by more than a hundredth of the momentum |
-/// | impacts steeper than 53° on hard ground, slip speed 1e-6 m/s | 1 of 17 has another end by more than a hundredth: that of a slip speed of about 1e-4 of the speed |
-/// | a ball that rolls out, its weight carried at a depth `m g/k` below 3e-6 radii | it can roll up to 2.4 times as far |
+/// | impacts steeper than 53° on hard ground, slip speed 1e-6 m/s | 1 of 17 ends with a momentum that differs by more than a hundredth: that of a slip speed of about 1e-4 of the speed |
+/// | a ball that rolls to rest, at a penetration depth `m g/k` below 3e-6 radii | it can roll up to 2.4 times as far |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {

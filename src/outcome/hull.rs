@@ -27,19 +27,20 @@ impl HullFace {
     ///
     /// For a point q of an edge between the contacts a and b, the body reaches at least
     /// `|q| + min(ρ_a, ρ_b)` in the direction of q, with the radii ρ. So the height is the distance
-    /// of the centre of mass from the nearest edge of the facet, plus the least radius.
+    /// of the centre of mass from the nearest edge of the facet, plus the least radius. For corners
+    /// that are off the plane, it is lowered by 4e-5 of the hull's size (1.2e-4 in `f32`).
     ///
     /// Returns `None` if the centre of mass is outside the hull of the contacts' positions. It is
-    /// also `None` for a facet that is not told from its neighbour: contacts are on the plane of
-    /// one and just off that of the other, as those of a face with noise of 1e-5 of the hull's
-    /// size, or of a very flat body.
+    /// also `None` if the facet cannot be separated from its neighbour. Then some contacts are on
+    /// the plane of one and just off the plane of the other. This occurs for a face with noise of
+    /// 1e-5 of the hull's size, and for a very flat body.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
     /// of its neighbour is lower than it could be. A face whose corners have more noise than 1e-5
     /// of the hull's size is several facets. If an edge between them passes below the centre of
-    /// mass, there is no barrier, and the face is never decided. *Cost:* of the order of the number
-    /// of contacts times the number of corners of the facets that are passed, with the last one's
-    /// neighbours.
+    /// mass, there is no barrier, and the face is never decided. *Cost:* proportional to the number
+    /// of contacts times the number of corners of all facets that the search visits, including the
+    /// neighbours of the result.
     #[must_use]
     pub fn basin<R: Real, B: RigidPointBody<R> + ?Sized>(
         body: &B,

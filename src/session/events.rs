@@ -75,7 +75,7 @@ where
         })
     }
 
-    /// Advances the state by exactly `seconds` and passes each occurrence of the events to
+    /// Advances the state by `seconds` and passes each occurrence of the events to
     /// `handle`, in the order of time.
     ///
     /// If `handle` returns `Break`, the run ends at the occurrence: state and clock of the session

@@ -28,7 +28,7 @@ where
     I: Integrator<R>,
     E: Force<R>,
 {
-    /// Advances each of many states by exactly `seconds`, with the bits of
+    /// Advances each of many states by `seconds`, with the bits of
     /// [`advance`](Self::advance).
     ///
     /// Eight states at a time are stepped in the lanes of the processor's vectors. They take some

@@ -11,13 +11,13 @@ use crate::real::{Real, Vector};
 /// beyond an edge has no force until it meets the side, and a ball rolls over an edge as over a
 /// sharp one.
 ///
-/// *Limits:* inside, the normal has a jump where two faces are equally near: a contact that sinks
-/// deeper than half of the thickness is pushed out at the other side. The bodies touch with their
-/// contacts, so an edge of the block that lies between two contacts of a body has no effect. The
-/// contact of an [`Ellipsoid`](crate::Ellipsoid) jumps from face to face at an edge. At times it
-/// hangs there, with its contact deep in the block. A method with a tolerance may pass over a
-/// contact with an edge that takes less than a 64th of one of its steps, or less than a 16th if the
-/// body touches the block at one end of that step.
+/// *Limits:* inside, the normal has a jump where two faces are equally near: a contact that
+/// penetrates deeper than half of the thickness is pushed out through the opposite face. The bodies
+/// touch with their contacts, so an edge of the block that lies between two contacts of a body has
+/// no effect. The contact of an [`Ellipsoid`](crate::Ellipsoid) jumps from face to face at an edge.
+/// The body is then sometimes caught at the edge, with its contact deep in the block. A method with
+/// a tolerance may pass over a contact with an edge that takes less than a 64th of one of its
+/// steps, or less than a 16th if the body touches the block at one end of that step.
 ///
 /// ```
 /// use tumble::glam::DVec3;

@@ -44,7 +44,8 @@ use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
 /// Where friction sticks, the step of an explicit method is limited by `2 slip_speed/(3 μ g)`,
 /// whatever the tolerance. This method has no such limit (Radau IIA with three stages, L-stable). A
 /// ball that rolls at a slip speed of 1e-6 m/s takes a few hundred steps a second for a tolerance
-/// of 1e-9 m, where [`DormandPrince54`](crate::DormandPrince54) takes a million.
+/// of 1e-9 m, where [`DormandPrince54`](crate::DormandPrince54) exceeds its default budget of a
+/// million.
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -72,10 +73,10 @@ use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
 ///   same holds at 1e-6 m/s. It is mostly 0.1 to 2 tolerances (`tests/physics/radau.rs` prints it).
 ///   After longer times it depends on how the motion amplifies it.
 /// - *Cost:* 6 to 30 force evaluations per attempted step, with the Jacobian and linear equations
-///   of six real and six complex unknowns. Where friction is not stiff, an explicit pair costs
-///   less.
+///   of six real and six complex unknowns. Where neither friction nor the ground is stiff, an
+///   explicit pair costs less.
 /// - *Fast spin in air:* under an applied force, each step has an error of its rotation. These add
-///   up, so that the error of a run is many tolerances if the body turns many times. Use a
+///   up, so that the error of a run is many tolerances if the body rotates many times. Use a
 ///   hundredth of the error as the tolerance there, or
 ///   [`AdaptiveNystrom`](crate::AdaptiveNystrom).
 /// - *Jacobian:* from the derivatives of the laws, and from differences of the normal where the
@@ -86,7 +87,7 @@ use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
 ///   its surface takes several times as many, also on a plane.
 /// - *Touch-downs* end a step, as in `DormandPrince54`. In `f32`, a touch-down on a strong damper
 ///   may end the run with [`StepTooShort`](crate::StepError::StepTooShort), where the rounding of
-///   the depth changes the speed of the body by more than the tolerance a second. This is most
+///   the depth changes the speed of the body by more than the tolerance over 1 s. This is most
 ///   frequent with round rims.
 /// - *May add energy* by the size of its error.
 /// - *Torque-free rotation* is exact to rounding

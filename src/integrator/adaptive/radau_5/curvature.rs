@@ -1,8 +1,8 @@
 //! Curved ground in the Jacobian.
 //!
-//! On curved ground the normal `n` rotates as a contact moves along it, and the contact of a ball or
-//! of a smooth body moves over the body's surface as the normal rotates. Let `S` be the derivative of
-//! the normal along the ground, and `H` that of the arm with respect to the normal. A contact that
+//! On curved ground the normal `n` rotates as a contact moves along it. As it rotates, the contact
+//! of a ball or of a smooth body moves over the body's surface. Let `S` be the derivative of the
+//! normal along the ground, and `H` that of the arm with respect to the normal. A contact that
 //! moves by `p` on its tangent plane then has
 //!
 //! ```text
@@ -20,7 +20,7 @@
 //! δF = θ × F + Q (ω × δr - θ × u)
 //! ```
 //!
-//! `Q` of friction in stick is large, and so is this term where a body rolls on curved ground.
+//! `Q` of friction in stick is large, so this term matters for a body that rolls on curved ground.
 
 use crate::contact::{Contact, any_across};
 use crate::ground::SpringDamperGround;
