@@ -28,8 +28,8 @@
 //!
 //! A Runge-Kutta method is stable if it is stable for all of these oscillators. The same holds for
 //! two other methods. The amplification factor of a step of `SymplecticEuler` solves a quadratic
-//! eigenvalue problem in the same matrices. In that of Strang splitting the mass is `(1 - h
-//! C/2)⁻¹`, whose quotient is at least `1/(1 - h δ/2)`.
+//! eigenvalue problem in the same matrices. In that of Strang splitting the mass is
+//! `(1 - h C/2)⁻¹`, whose quotient is at least `1/(1 - h δ/2)`.
 //!
 //! The range is enclosed by its supporting lines: the largest eigenvalue of `p K + q C` bounds
 //! `p κ + q δ`. The limit is the smallest of the scalar limits along the outline of that polygon.
@@ -117,6 +117,8 @@ struct Response<R> {
     damping: Matrix<R>,
     /// Part of the damping that needs no springs, 1/s: that of friction and of the applied force.
     friction: Matrix<R>,
+    /// Damping of the applied force alone, 1/s.
+    applied: Matrix<R>,
     /// Ratio of damping to stiffness, s: of all contacts together, and the smallest and the largest
     /// of a single contact. An applied force with a stiffness has the smallest possible one, 0.
     mean_ratio: R,
@@ -139,6 +141,7 @@ impl<R: Real> Response<R> {
             stiffness: Matrix::ZERO,
             damping: Matrix::ZERO,
             friction: Matrix::ZERO,
+            applied: Matrix::ZERO,
             mean_ratio: R::ZERO,
             smallest_ratio: R::MAX,
             largest_ratio: R::ZERO,
@@ -159,7 +162,11 @@ impl<R: Real> Response<R> {
             response.add_applied_force(&frame, state);
         }
         response.damping.add(&response.friction);
-        response.mean_ratio = ratio(damping, stiffness);
+        response.mean_ratio = if damping > R::ZERO {
+            ratio(damping, stiffness)
+        } else {
+            ratio(response.applied.trace(), response.stiffness.trace())
+        };
         response.smallest_ratio = response.smallest_ratio.at_most(response.mean_ratio);
         response
     }
@@ -243,7 +250,7 @@ impl<R: Real> Response<R> {
             let per_speed = force.wrench_change(frame.motion, column[0], column[1]);
             let per_path = frame.change_of_pose(state, column);
             for (matrix, change) in [
-                (&mut self.friction, per_speed),
+                (&mut self.applied, per_speed),
                 (&mut self.stiffness, per_path),
             ] {
                 let answer = frame.acceleration(-change.force, -change.torque);
@@ -253,6 +260,7 @@ impl<R: Real> Response<R> {
                 self.smallest_ratio = R::ZERO;
             }
         }
+        self.friction.add(&self.applied);
     }
 
     /// Corners (κ, δ) of a polygon around the joint numerical range. They run along its least
@@ -298,7 +306,8 @@ impl<R: Real> Response<R> {
     }
 
     /// Lower bound for the damping of a motion by its stiffness, from lines `δ >= t κ - s` below
-    /// the range of stiffness and normal damping. Friction only adds to that damping.
+    /// the range of stiffness and the damping by normal and applied forces. Friction only adds to
+    /// that damping.
     ///
     /// No motion has a smaller ratio of damping to stiffness than a single contact. Where contacts
     /// act together, the ratio of every motion may be larger: that of a line with `s = 0`.
@@ -308,7 +317,8 @@ impl<R: Real> Response<R> {
             slope: self.smallest_ratio,
             offset: R::ZERO,
         };
-        let normal = self.damping.combined(R::ONE, &self.friction, -R::ONE);
+        let mut normal = self.damping.combined(R::ONE, &self.friction, -R::ONE);
+        normal.add(&self.applied);
         let most_damped = normal.spectral_radius();
         let rounding = R::from_f64(ROUNDING).at_least(R::EPSILON * R::from_f64(64.0));
         let mut slope = self.mean_ratio;
@@ -601,6 +611,12 @@ impl<R: Real> Matrix<R> {
                 *sum += value;
             }
         }
+    }
+
+    fn trace(&self) -> R {
+        (self.0.iter().enumerate()).fold(R::ZERO, |sum, (i, row)| {
+            sum + row.get(i).copied().unwrap_or_default()
+        })
     }
 
     fn largest(&self) -> R {

@@ -162,15 +162,24 @@ pub use workspace::Workspace;
 ///
 /// What holds in `f64` holds in `f32`, with these limits:
 ///
-/// | quantity or motion | limit in `f32` |
-/// |---|---|
-/// | the distance from the origin | a body beyond `1/EPSILON` of its sizes can stay where it is (also in `f64`) |
-/// | flight in tilted gravity from 1e-3 m/s², steps of 1 ms, 10 s | rounding changes the velocity across gravity at random, by at most 5e-5 of the speed a second |
-/// | resistance to rolling and spinning | linear where the angular speed and the turn speed together are below 5e-4 of the body's angular speed, or 8e-6 of the one that the weight gives it in a step (`f64`: 1e-12 and 1.4e-14) |
-/// | friction | linear in the slip where `dt c/m` (`c` is the friction force over the slip) would be above 128, and the slip and the slip speed of the law together are below 1.2e-4 of the speed of the body's fastest points, in world axes |
-/// | oblique impacts at 1 to 4 m/s | up to 1 of 200 is wrong by more than a hundredth of the momentum |
-/// | impacts steeper than 53° on hard ground, slip speed 1e-6 m/s | 1 of 17 ends with a momentum that differs by more than a hundredth: that of a slip speed of about 1e-4 of the speed |
-/// | a ball that rolls to rest, at a penetration depth `m g/k` below 3e-6 radii | it can roll up to 2.4 times as far |
+/// - *Far from the origin*, a body beyond `1/EPSILON` of its sizes can stay where it is, also in
+///   `f64`.
+/// - *Flight* in tilted gravity: rounding changes the velocity across gravity at random, most in
+///   weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from 1e-3
+///   m/s² on.
+/// - *Resistance to rolling and spinning* is linear where the angular speed and the turn speed
+///   together are below 5e-4 of the body's angular speed, or below 8e-6 of the one that the weight
+///   gives it in a step (`f64`: 1e-12 and 1.4e-14).
+/// - *Friction* is linear in the slip if two conditions hold. First, `dt c/m` would be above 128,
+///   with the friction force over the slip `c`. Second, the slip and the slip speed of the law
+///   together are below 1.2e-4 of the speed of the body's fastest points, in world axes.
+/// - *Oblique impacts* at 1 to 4 m/s: up to 1 of 200 is wrong by more than a hundredth of the
+///   momentum.
+/// - *Impacts steeper than 53°* on hard ground, at a slip speed of 1e-6 m/s: 1 of 17 ends with a
+///   momentum that differs by more than a hundredth. It is that of a slip speed of about 1e-4 of
+///   the speed.
+/// - *A ball that rolls to rest* at a penetration depth `m g/k` below 3e-6 radii can roll up to 2.4
+///   times as far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyMomentum<R = f64> {

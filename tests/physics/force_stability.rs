@@ -208,8 +208,8 @@ fn drag_adds_to_the_contacts() {
 }
 
 /// A ball without friction between two planes at right angles has a motion along each normal, with
-/// the spring and the damper of its plane. So the limit is the smaller of two scalar limits. Of 200
-/// pairs of laws, the stiffer plane is the more damped one, relative to its stiffness, in half.
+/// the spring and the damper of its plane. So the limit is the smaller of two scalar limits. In
+/// some half of the 200 pairs of laws, the softer plane is the less damped one.
 #[test]
 fn the_motion_with_the_least_damping_bounds_the_step_between_two_planes() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -252,6 +252,38 @@ fn the_motion_with_the_least_damping_bounds_the_step_between_two_planes() {
                 "{method}: {limit:e} s, not {expected:e} s, {laws:?}"
             );
             assert!(share > 0.4, "{method}: only {share} of it, {laws:?}");
+        });
+    }
+}
+
+/// A spring with a damper that holds a ball along the ground, or in the air: the limit is that of
+/// the motion that it holds, or of the ground.
+#[test]
+fn a_force_with_damping_has_its_own_limit_beside_damped_ground() {
+    let (mass, damping) = (0.7, 25.0);
+    let force = Mount {
+        stiffness: DVec3::new(3e3, 0.0, 0.0),
+        damping: DVec3::new(damping, 0.0, 0.0),
+        torsion: 0.0,
+        arm: DVec3::ZERO,
+    };
+    for (height, ground) in [(0.099, Some([4e4, 90.0])), (0.5, None)] {
+        each_explicit!(1e-3, |integrator, method| {
+            let stepper = Stepper::new(Sphere::solid(mass, 0.1))
+                .and_then(|stepper| stepper.with_ground(FlatGround::level(4e4, 90.0)))
+                .and_then(|stepper| stepper.with_integrator(integrator))
+                .and_then(|stepper| stepper.with_force(force))
+                .unwrap();
+            let limit = stepper.largest_stable_step(&State::at(DVec3::Z * height));
+            let of = |[stiffness, damping]: [f64; 2]| {
+                let rates = [stiffness / mass, damping / mass];
+                Integrator::<f64>::largest_stable_step(&integrator, rates[0], rates[1]).unwrap()
+            };
+            let held = of([3e3, damping]);
+            let expected = ground.map_or(held, |law| of(law).min(held));
+            let part = limit.unwrap() / expected;
+            println!("{method}, {height} m: {part}");
+            assert!(part < 1.0 + 1e-4 && part > 0.4, "{method}: {part}");
         });
     }
 }

@@ -83,8 +83,8 @@ use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
 ///   ground is curved. A law without derivatives of its own is differentiated by differences. An
 ///   applied force is not part of it, which costs iterations, not accuracy.
 /// - *Small slip speed:* a ball on a plane takes as many steps at 1e-7 m/s as at 1e-3 m/s. On
-///   curved ground it takes up to four times as many, and a smooth body whose contact moves over
-///   its surface takes several times as many, also on a plane.
+///   curved ground it takes a few times as many (`tests/physics/radau.rs` prints them). A smooth
+///   body whose contact moves over its surface takes several times as many, also on a plane.
 /// - *Touch-downs* end a step, as in `DormandPrince54`. In `f32`, a touch-down on a strong damper
 ///   may end the run with [`StepTooShort`](crate::StepError::StepTooShort), where the rounding of
 ///   the depth changes the speed of the body by more than the tolerance over 1 s. This is most
