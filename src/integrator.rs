@@ -11,6 +11,7 @@ mod flight_rounding;
 mod free_error;
 mod interface;
 mod lanes;
+mod matrix3;
 mod point;
 
 pub(crate) use adaptive::DORMAND_PRINCE;

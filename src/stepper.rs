@@ -554,9 +554,7 @@ where
         check_duration(seconds)?;
         check_samples(seconds, observer.interval())?;
         let end = self.end_at(seconds);
-        if !I::SPANS_STEPS {
-            end.check_steps(clock)?;
-        }
+        end.check_first_step::<I>(clock)?;
         let mut flow = self.show(observer, state, clock);
         while flow.is_continue() && !end.is_reached(clock) {
             // States between the steps are computed from the start of the step.
@@ -567,9 +565,7 @@ where
             });
             let step = self.move_on(state, end.limit(clock), workspace)?;
             clock.tick(&step)?;
-            if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
-                end.check_steps(clock)?;
-            }
+            end.check_next_steps::<I>(&step, clock)?;
             if let Some(before) = before {
                 flow = self.show_between(observer, &end, &before, state, clock)?;
             }

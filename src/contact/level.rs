@@ -184,7 +184,7 @@ impl<'a, R: Real> Level<'a, R> {
         F: SlidingFriction<R>,
     {
         while contacts.len() > 1 {
-            let (mut forces, mut torques) = (Block::<R, FEW>::ZERO, Block::<R, FEW>::ZERO);
+            let (mut forces, mut torques) = (Vectors::<R, FEW>::ZERO, Vectors::<R, FEW>::ZERO);
             let mut count = 0;
             while let Some(([first, second], rest)) = contacts.split_first_chunk() {
                 let to_world = |axes: &Axes<R>| {
@@ -238,7 +238,7 @@ impl<'a, R: Real> Level<'a, R> {
         G: SpringDamperGround<R>,
         F: SlidingFriction<R>,
     {
-        let (mut arms, mut forces) = (Block::<R, BLOCK_LEN>::ZERO, Block::<R, BLOCK_LEN>::ZERO);
+        let (mut arms, mut forces) = (Vectors::<R, BLOCK_LEN>::ZERO, Vectors::<R, BLOCK_LEN>::ZERO);
         let (mut force, mut torque) = (Pairs::<R>::ZERO, Pairs::<R>::ZERO);
         let mut depths = [R::ZERO; BLOCK_LEN];
         while let Some((block, rest)) = contacts.split_first_chunk::<BLOCK_LEN>() {
@@ -270,7 +270,7 @@ impl<'a, R: Real> Level<'a, R> {
 impl<R: Real> Load<R> {
     /// Adds the first contacts of a block.
     #[inline(always)]
-    fn add_first(&mut self, count: usize, forces: &Block<R, FEW>, torques: &Block<R, FEW>) {
+    fn add_first(&mut self, count: usize, forces: &Vectors<R, FEW>, torques: &Vectors<R, FEW>) {
         for i in 0..count.min(FEW) {
             self.force += forces.get(i);
             self.torque += torques.get(i);
@@ -281,9 +281,9 @@ impl<R: Real> Load<R> {
 
 /// One vector for each contact of a block, stored axis by axis.
 #[derive(Clone, Copy)]
-struct Block<R, const N: usize>([[R; N]; 3]);
+struct Vectors<R, const N: usize>([[R; N]; 3]);
 
-impl<R: Real, const N: usize> Block<R, N> {
+impl<R: Real, const N: usize> Vectors<R, N> {
     const ZERO: Self = Self([[R::ZERO; N]; 3]);
 
     #[inline(always)]
@@ -335,7 +335,7 @@ impl<R: Real> Pairs<R> {
     const ZERO: Self = Self([[R::ZERO; 2]; 3]);
 
     #[inline(always)]
-    fn add(&mut self, block: &Block<R, BLOCK_LEN>) {
+    fn add(&mut self, block: &Vectors<R, BLOCK_LEN>) {
         for (sum, values) in self.0.iter_mut().zip(&block.0) {
             for pair in values.chunks_exact(2) {
                 sum[0] += pair[0];

@@ -28,7 +28,6 @@
 mod answer;
 mod applied;
 mod balance;
-mod block;
 mod contacts;
 mod descent;
 mod dual;
@@ -65,7 +64,6 @@ use crate::scene::{Dynamics, turned_freely};
 use crate::state::State;
 use applied::Ahead;
 pub(in crate::integrator) use applied::close_account;
-pub(in crate::integrator) use block::Block;
 use contacts::Contacts;
 use energy_limit::Touched;
 use gather::gather;

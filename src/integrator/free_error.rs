@@ -110,8 +110,17 @@ impl<R: Real> NearlyFree<R> {
     }
 }
 
-/// Returns the orientation at the `end` of a step of `seconds`, without the error of its method in
-/// torque-free rotation. With `of_all`, also for a body with two or three equal moments.
+/// Bodies whose rotation a method gets wrong without torques.
+#[derive(Clone, Copy, PartialEq)]
+pub(in crate::integrator) enum Bodies {
+    /// Those with three different moments of inertia.
+    Asymmetric,
+    /// Those with two or three equal moments as well.
+    All,
+}
+
+/// Returns the orientation at the `end` of a step of `seconds`, without the error that its method
+/// makes in the torque-free rotation of these `bodies`.
 ///
 /// `by_method` returns the orientation after the same step in another scene.
 #[inline(always)]
@@ -119,10 +128,10 @@ pub(in crate::integrator) fn removed<R: Real, D: Dynamics<R>>(
     scene: &D,
     (start, end): (&Point<R>, &Point<R>),
     seconds: R,
-    of_all: bool,
+    bodies: Bodies,
     by_method: impl FnOnce(&TorqueFree<'_, D>, &Point<R>, R) -> Rotation<R>,
 ) -> Rotation<R> {
-    if of_all || is_asymmetric(scene) {
+    if bodies == Bodies::All || is_asymmetric(scene) {
         // Copies, because references would keep both points in memory through the whole step.
         corrected(scene, &{ *start }, &{ *end }, seconds, by_method)
     } else {

@@ -167,9 +167,7 @@ where
         handle: &mut dyn FnMut(&Occurrence<R>) -> ControlFlow<()>,
     ) -> Result<EventEnd<R>, StepError> {
         let end = self.stepper.end_at(seconds);
-        if !I::SPANS_STEPS {
-            end.check_steps(clock)?;
-        }
+        end.check_first_step::<I>(clock)?;
         while !end.is_reached(clock) {
             let mut path = self.path(clock);
             let step = self.step_of_run(&end, clock)?;
@@ -209,9 +207,7 @@ where
         let step = self.take_step(&before, limit)?;
         clock.tick(&step)?;
         self.learn(&before, &step);
-        if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
-            end.check_steps(clock)?;
-        }
+        end.check_next_steps::<I>(&step, clock)?;
         Ok(step)
     }
 

@@ -1,7 +1,7 @@
 //! The clock of a run, and when it has reached the end.
 
 use crate::error::StepError;
-use crate::integrator::Step;
+use crate::integrator::{Integrator, Step};
 use crate::real::Real;
 
 /// Returns [`StepError::BadDuration`] if a duration is negative or not finite.
@@ -69,6 +69,33 @@ impl<R: Real> End<R> {
             slack: time_step.map_or(slack, |step| slack.at_most(step * R::HALF)),
             time_step,
         }
+    }
+
+    /// Returns the error of [`check_steps`](Self::check_steps) before the first step of a run,
+    /// unless that step may span many.
+    #[inline]
+    pub(crate) fn check_first_step<I: Integrator<R>>(
+        &self,
+        clock: &Clock<R>,
+    ) -> Result<(), StepError> {
+        if I::SPANS_STEPS {
+            return Ok(());
+        }
+        self.check_steps(clock)
+    }
+
+    /// Returns the error of [`check_steps`](Self::check_steps) after a step that could span many,
+    /// and has spanned one or less.
+    #[inline]
+    pub(crate) fn check_next_steps<I: Integrator<R>>(
+        &self,
+        step: &Step<R>,
+        clock: &Clock<R>,
+    ) -> Result<(), StepError> {
+        if I::SPANS_STEPS && self.time_step.is_some_and(|own| step.elapsed <= own) {
+            return self.check_steps(clock);
+        }
+        Ok(())
     }
 
     /// Returns an error if the rest of the run takes more than [`most_steps`], so that it would not

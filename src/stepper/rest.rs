@@ -56,9 +56,7 @@ where
         workspace: &mut I::Workspace,
         clock: &mut Clock<R>,
     ) -> Result<Skipped, StepError> {
-        if !I::SPANS_STEPS {
-            end.check_steps(clock)?;
-        }
+        end.check_first_step::<I>(clock)?;
         let mut skipped = Skipped::Right;
         while !end.is_reached(clock) {
             let limit = end.limit(clock);
@@ -77,9 +75,7 @@ where
             let step = self.move_on_from(&before, state, limit, workspace)?;
             clock.tick(&step)?;
             let has_moved = self.learn(&before, state, &step, rests);
-            if I::SPANS_STEPS && end.time_step.is_some_and(|own| step.elapsed <= own) {
-                end.check_steps(clock)?;
-            }
+            end.check_next_steps::<I>(&step, clock)?;
             if skipped == Skipped::TooMuch && has_moved {
                 return Ok(skipped);
             }

@@ -1,10 +1,10 @@
 //! The response of friction at a contact to its slip, which Newton's matrix contains.
 
-use super::block::Block;
 use super::dual::{Dual, Linear, direction, on_disc, weighed};
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::touch::{Increment, Touch};
 use crate::friction::FrictionJacobian;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
@@ -35,21 +35,30 @@ impl<R: Real> Answer<R> {
     }
 }
 
+/// Friction that Newton's method has in place of that of the laws.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum LinearFriction {
+    /// That of the matrix, at the last trial.
+    OfMatrix,
+    /// That of the dual unknowns, which the step to the last trial has led to.
+    OfDuals,
+}
+
 /// Change of a trial since an earlier one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Since<'a, R: Real> {
     shift: R::Vec3,
     cayley: R::Vec3,
-    rotation_change: Block<R>,
+    rotation_change: Matrix3<R>,
     /// Newton's step from the earlier trial, if slips and dual unknowns continue from its end.
     step: Option<&'a Increment<R>>,
 }
 
 impl<'a, R: Real> Since<'a, R> {
     pub(super) fn between(
-        earlier: &Trial<R>,
+        earlier: &TrialStep<R>,
         step: Option<&'a Increment<R>>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> Self {
         let back = earlier.rotation_change.scaled(-R::ONE);
         Self {
@@ -160,17 +169,16 @@ impl<R: Real> Touch<R> {
         }
     }
 
-    /// Excess of the linear friction in the matrix over the friction of the law at the last trial,
-    /// N. With `to_dual`, that of the dual force.
+    /// Excess of a linear friction over the friction of the law at the last trial, N.
     pub(super) fn excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        to_dual: bool,
+        linear: LinearFriction,
     ) -> R::Vec3 {
         let slip = self.push.slip;
         let dual = match &self.dual {
-            Dual::At(at) if to_dual => at.direction,
-            Dual::After(dual) if to_dual => *dual,
+            Dual::At(at) if linear == LinearFriction::OfDuals => at.direction,
+            Dual::After(dual) if linear == LinearFriction::OfDuals => *dual,
             Dual::At(at) if at.slip != slip => self.dual_after(problem, at),
             _ => return R::Vec3::ZERO,
         };

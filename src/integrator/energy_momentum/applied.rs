@@ -20,7 +20,7 @@
 //! `h/2 (P₁ + P₂)`, with its powers at the stages.
 
 use super::linear::SixBySix;
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::shared::seen;
 use crate::energy::Energy;
 use crate::error::StepError;
@@ -104,7 +104,7 @@ impl<R: Real> Ahead<R> {
     #[inline(always)]
     pub(super) fn of<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         end: &State<R>,
     ) -> Self {
         if problem.scene.force().acts() && problem.force_seconds > R::ZERO {
@@ -117,7 +117,7 @@ impl<R: Real> Ahead<R> {
     #[inline(never)]
     fn of_mean<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         end: &State<R>,
     ) -> Self {
         let momentum = problem.start.angular_momentum + end.angular_momentum;

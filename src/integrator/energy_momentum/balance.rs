@@ -2,7 +2,7 @@
 
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::touch::Push;
 use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;
@@ -76,7 +76,7 @@ impl<R: Real> Balance<R> {
     #[inline(always)]
     pub(super) fn of<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
-        (contacts, trial): (&Contacts<R>, &Trial<R>),
+        (contacts, trial): (&Contacts<R>, &TrialStep<R>),
         sum: &Sum<R>,
         scale: &Scale<R>,
     ) -> Self {
@@ -109,7 +109,7 @@ pub(super) fn tolerance<R: Real>() -> R {
 #[inline]
 pub(super) fn residual<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    trial: &Trial<R>,
+    trial: &TrialStep<R>,
     sum: &Sum<R>,
 ) -> (R::Vec3, R::Vec3) {
     let half = problem.seconds * R::HALF;
@@ -239,7 +239,7 @@ impl<R: Real> Scale<R> {
     pub(super) fn rounding_of_slips<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         strain: &Strain<R>,
     ) -> R {
         let impulse = strain.friction_over(problem.rounding_of_path(trial)) * R::HALF;
@@ -247,7 +247,12 @@ impl<R: Real> Scale<R> {
     }
 
     #[inline]
-    pub(super) fn at<D>(&self, problem: &Problem<'_, R, D>, trial: &Trial<R>, sum: &Sum<R>) -> R {
+    pub(super) fn at<D>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &TrialStep<R>,
+        sum: &Sum<R>,
+    ) -> R {
         let half = problem.seconds * R::HALF;
         let path =
             trial.shift.length() + trial.cayley.length() * (R::TWO * problem.bounding_radius);

@@ -19,16 +19,16 @@
 //! One visit to such a contact computes its force and its derivatives, so that the number of visits
 //! does not depend on the number of iterations before.
 
-use super::answer::{Answer, Since};
-use super::block::Block;
+use super::answer::{Answer, LinearFriction, Since};
 use super::lever::Lever;
 use super::panels::Panels;
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::reversal::Reversal;
 use super::touch::{Increment, Push, Touch};
 use crate::body::{ContactRange, RigidPointBody};
 use crate::contact::MovingContact;
 use crate::friction::FrictionJacobian;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -72,17 +72,17 @@ impl<R: Real> Reach<R> {
     }
 }
 
-/// Trial at which friction was differentiated, and Newton's step from there, if slips and dual
+/// TrialStep at which friction was differentiated, and Newton's step from there, if slips and dual
 /// unknowns continue from its end.
 #[derive(Clone, Copy, Debug)]
 struct Noted<R: Real> {
-    trial: Trial<R>,
+    trial: TrialStep<R>,
     step: Option<Increment<R>>,
 }
 
 impl<R: Real> Noted<R> {
     const NONE: Self = Self {
-        trial: Trial::NONE,
+        trial: TrialStep::NONE,
         step: None,
     };
 }
@@ -113,7 +113,7 @@ pub(super) struct Contacts<R: Real, Touches: ?Sized = [Touch<R>]> {
     pub(super) lever: Lever<R>,
     /// Derivative of the first moving contact's path along the ground with respect to a rotation of
     /// the end of the step, where the matrix was last computed, m.
-    path_by_turn: Block<R>,
+    path_by_turn: Matrix3<R>,
     /// The last trial at which friction was differentiated, and the number of such trials in this
     /// step.
     noted: Noted<R>,
@@ -132,7 +132,7 @@ impl<R: Real, const CAPACITY: usize> Contacts<R, [Touch<R>; CAPACITY]> {
         with_rim: false,
         panels: Panels::NONE,
         lever: Lever::NONE,
-        path_by_turn: Block::ZERO,
+        path_by_turn: Matrix3::ZERO,
         noted: Noted::NONE,
         notes: 0,
         touches: [Touch::NONE; CAPACITY],
@@ -307,7 +307,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         mut visit: impl FnMut(&Push<R>),
     ) {
         if self.has_rims_near(problem) {
@@ -358,7 +358,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn respond_with_slips<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         visit: &mut dyn FnMut(&Push<R>),
     ) {
         if self.has_rims_near(problem) {
@@ -381,19 +381,19 @@ impl<R: Real> Contacts<R> {
         }
     }
 
-    /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
-    /// laws at the last trial, of the stored contacts. With `to_dual`, those of the dual forces.
+    /// Force (N) and torque (N m) by which a linear friction exceeds that of the laws at the last
+    /// trial, of the stored contacts.
     #[cold]
     #[inline(never)]
     pub(super) fn excess<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        to_dual: bool,
+        linear: LinearFriction,
     ) -> [R::Vec3; 2] {
         let (mut force, mut torque) = (R::Vec3::ZERO, R::Vec3::ZERO);
         for touch in self.touches.iter().take(self.remembered) {
             if touch.push.is_active() {
-                let excess = touch.excess(problem, to_dual);
+                let excess = touch.excess(problem, linear);
                 force += excess;
                 torque += touch.push.arm.cross(excess);
             }
@@ -439,9 +439,9 @@ impl<R: Real> Contacts<R> {
     pub(super) fn differentiate_path<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-        argument: &Block<R>,
-    ) -> Option<Block<R>> {
+        trial: &TrialStep<R>,
+        argument: &Matrix3<R>,
+    ) -> Option<Matrix3<R>> {
         let touch = self.touches.first()?;
         let path_by_turn = touch.push.path_by_turn(problem, trial, argument)?;
         self.path_by_turn = path_by_turn;
@@ -457,15 +457,16 @@ impl<R: Real> Contacts<R> {
         &self,
         problem: &Problem<'_, R, D>,
         moving: &MovingContact<'_, D::Body, R>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         factor: R,
-    ) -> Block<R> {
+    ) -> Matrix3<R> {
         let (_, axes) = problem.place_at_end(trial);
-        let mut sum = Block::diagonal(R::ZERO);
+        let mut sum = Matrix3::diagonal(R::ZERO);
         for touch in self.touches.iter().take(self.remembered) {
             let force = touch.push.force * factor;
             let [first, second] = moving.over_surface(touch.push.normal, &axes);
-            let torque = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(moved.cross(force), turn);
+            let torque =
+                |(moved, turn): (R::Vec3, R::Vec3)| Matrix3::outer(moved.cross(force), turn);
             sum = sum.plus(&torque(first)).plus(&torque(second));
         }
         sum
@@ -477,7 +478,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn note_answers<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) {
         self.note(trial);
         for touch in self.touches.iter_mut().take(self.remembered) {
@@ -491,7 +492,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn answer<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         mut visit: impl FnMut(&Touch<R>, &Answer<R>),
     ) {
         if self.has_others() {
@@ -525,7 +526,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn recall_all<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         visit: &mut dyn FnMut(&Touch<R>, &FrictionJacobian<R>),
     ) {
         self.recall(problem, |touch, jacobian| visit(touch, jacobian));
@@ -540,7 +541,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn visit_active<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         visit: &mut dyn FnMut(&Touch<R>),
     ) {
         let stored = self.stored().iter().filter(|touch| touch.push.is_active());
@@ -551,7 +552,7 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Notes a trial at which friction is differentiated, for the contacts that are not stored.
-    fn note(&mut self, trial: &Trial<R>) {
+    fn note(&mut self, trial: &TrialStep<R>) {
         self.noted = Noted {
             trial: *trial,
             step: None,
@@ -566,7 +567,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn visit_others<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         visit: &mut dyn FnMut(&mut Touch<R>, &Touch<R>),
     ) {
         let [head, tail] = self.range.parts(problem.scene.body().contacts());
@@ -599,7 +600,7 @@ impl<R: Real> Contacts<R> {
     pub(super) fn since_last<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> Option<Since<'_, R>> {
         let (noted, is_fixed) = (&self.noted, problem.moving_contact().is_none());
         (self.notes > 0 && is_fixed)
@@ -659,7 +660,7 @@ mod tests {
             fixed: 50,
             with_rim: true,
             panels: Panels::LEFT_OVER,
-            path_by_turn: Block::diagonal(1.0),
+            path_by_turn: Matrix3::diagonal(1.0),
             noted,
             notes: 5,
             ..Contacts::NONE

@@ -22,13 +22,13 @@
 //! Contacts that carry the weight leave T within rounding, and the search is left out. On a ridge
 //! the bound on `U` does not hold, and a body that is balanced there stays.
 
-use super::block::Block;
 use super::linear::SixBySix;
 use super::shared::{motion_of, visit_contacts};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
+use crate::integrator::matrix3::Matrix3;
 use crate::integrator::{Step, energy_limit};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
@@ -166,7 +166,7 @@ struct Descent<'a, R: Real, D> {
     mass: R,
     /// Largest resistance along the ground times h, kg.
     stuck: R,
-    inertia: Block<R>,
+    inertia: Matrix3<R>,
     bounding_radius: R,
     /// Motion without contacts: `h v + h² g` and `h ω`.
     free: Way<R>,
@@ -212,7 +212,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             seconds,
             mass: properties.mass(),
             stuck: properties.mass() * (R::from_f64(STUCK) / R::EPSILON),
-            inertia: Block { x, y, z },
+            inertia: Matrix3 { x, y, z },
             bounding_radius: if bounding_radius > R::ZERO {
                 bounding_radius
             } else {
@@ -327,7 +327,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
             // The force over a uniform path depends on the end of the path by half of the spring
             // stiffness.
             let stiffness = mean.stiffness * R::TWO * h * h * weight;
-            matrix.add_at(&Block::outer(slope * stiffness, slope), centre, centre);
+            matrix.add_at(&Matrix3::outer(slope * stiffness, slope), centre, centre);
 
             let n = contact.normal;
             let along = friction
@@ -336,7 +336,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
                 * (h * weight);
             let along = along.at_most(self.stuck);
             let across = n * (mean.damping * h * weight - along);
-            let resistance = Block::diagonal(along).plus(&Block::outer(across, n));
+            let resistance = Matrix3::diagonal(along).plus(&Matrix3::outer(across, n));
             let resisted = resistance.times(way.shift + way.turn.cross(contact.arm));
             force += -resisted;
             torque += -contact.arm.cross(resisted);

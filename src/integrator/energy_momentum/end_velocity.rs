@@ -51,14 +51,14 @@
 //! start again. The energy limiter is the bound.
 
 use super::applied::Ahead;
-use super::block::Block;
 use super::contacts::Contacts;
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::resist::Resistance;
 use super::touch::{Push, Touch};
 use crate::contact::Motion;
 use crate::friction::FrictionJacobian;
 use crate::ground::SpringDamperGround;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -136,8 +136,8 @@ impl<R: Real> Strain<R> {
 pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
-    (trial, ahead): (&Trial<R>, &Ahead<R>),
-    (strain, turning): (Strain<R>, Option<Block<R>>),
+    (trial, ahead): (&TrialStep<R>, &Ahead<R>),
+    (strain, turning): (Strain<R>, Option<Matrix3<R>>),
     end: &State<R>,
 ) -> State<R> {
     let correction = Correction {

@@ -14,8 +14,8 @@
 //! The torque has the columns `r × (xⱼ, yⱼ, zⱼ)`, where r is the lever arm. Numbers are stored in
 //! pairs that a processor computes together. Signs, and the sums of a pair, are applied at the end.
 
-use super::block::Block;
 use super::linear::SixBySix;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 
 type Pair<R> = [R; 2];
@@ -132,7 +132,7 @@ impl<R: Real> Level<R> {
     pub(super) fn equations(
         &self,
         mass: R,
-        inertia: &Block<R>,
+        inertia: &Matrix3<R>,
         share: R,
         equations: &mut SixBySix<R>,
     ) {

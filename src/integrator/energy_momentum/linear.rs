@@ -1,7 +1,7 @@
 //! The six equations of a rigid body in an implicit step, and their solution by Gaussian
 //! elimination.
 
-use super::block::Block;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 
 /// Six linear equations of a rigid body: force and torque, row by row, as functions of a shift and
@@ -19,7 +19,7 @@ impl<R: Real> SixBySix<R> {
     /// Creates equations in which the force depends only on the shift and the torque only on the
     /// rotation.
     #[inline]
-    pub(in crate::integrator) fn of_body(mass: R, inertia: &Block<R>) -> Self {
+    pub(in crate::integrator) fn of_body(mass: R, inertia: &Matrix3<R>) -> Self {
         let o = R::ZERO;
         let [x, y, z] = inertia.rows();
         Self {
@@ -36,7 +36,12 @@ impl<R: Real> SixBySix<R> {
 
     /// Adds a force at `arm` that depends linearly on the path of the point `place`:
     /// `block (ξ + ϑ × place)`. A rotation `ϑ` moves that point by `ϑ × place`.
-    pub(in crate::integrator) fn add_at(&mut self, block: &Block<R>, arm: R::Vec3, place: R::Vec3) {
+    pub(in crate::integrator) fn add_at(
+        &mut self,
+        block: &Matrix3<R>,
+        arm: R::Vec3,
+        place: R::Vec3,
+    ) {
         let shift = block.rows();
         self.add(shift, shift.map(|row| place.cross(row)), arm);
     }
@@ -112,7 +117,7 @@ impl<R: Real> SixBySix<R> {
     }
 
     /// Adds a torque that depends only on the rotation.
-    pub(super) fn add_turning(&mut self, block: &Block<R>) {
+    pub(super) fn add_turning(&mut self, block: &Matrix3<R>) {
         let [_, _, _, rows @ ..] = &mut self.rows;
         for (row, more) in rows.iter_mut().zip(block.rows()) {
             row[3] += more.x();
@@ -398,7 +403,7 @@ mod tests {
     #[test]
     fn a_force_on_level_ground_has_the_entries_of_any_force() {
         let (along, across) = (3.0, 7.0);
-        let block = Block {
+        let block = Matrix3 {
             x: DVec3::X * along,
             y: DVec3::Y * along,
             z: DVec3::Z * across,

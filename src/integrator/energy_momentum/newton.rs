@@ -49,6 +49,7 @@
 //! place of `F(u)`, at the slip u of the first trial. It finds friction for contacts that all
 //! stick, and for contacts of which one slides while the other sticks.
 
+use super::answer::LinearFriction;
 use super::balance::{
     Balance, Iterate, Scale, Sum, norm, residual, size_of_motion, tolerance, without_excess,
 };
@@ -56,7 +57,7 @@ use super::contacts::Contacts;
 use super::end_velocity::Strain;
 use super::hard;
 use super::linear::Factored;
-use super::problem::{Forces, Problem, Trial};
+use super::problem::{Forces, Problem, TrialStep};
 use super::rolling::{self, Rolling};
 use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
@@ -118,7 +119,7 @@ struct Base<R: Real> {
 pub(super) fn solve<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
-    trial: &mut Trial<R>,
+    trial: &mut TrialStep<R>,
     step: &mut Step<R>,
 ) -> Option<Strain<R>> {
     let mut newton = Newton::new(problem);
@@ -213,7 +214,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn balance(
         &mut self,
         contacts: &mut Contacts<R>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         is_second: bool,
     ) -> Balance<R> {
         let problem = self.problem;
@@ -247,7 +248,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     fn visit_others(
         &mut self,
         contacts: &Contacts<R>,
-        (trial, is_second): (&Trial<R>, bool),
+        (trial, is_second): (&TrialStep<R>, bool),
         visit: &mut dyn FnMut(&Push<R>),
     ) {
         if DEFERS && is_second && self.strain.of_step(self.problem).is_resolved() {
@@ -262,7 +263,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// for their forces has left it out.
     #[cold]
     #[inline(never)]
-    fn complete_others(&mut self, contacts: &Contacts<R>, trial: &Trial<R>) {
+    fn complete_others(&mut self, contacts: &Contacts<R>, trial: &TrialStep<R>) {
         if self.others.is_none() {
             self.others = Some(Others::of(self.problem, contacts, trial, &mut |_| {}));
         }
@@ -299,7 +300,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Carries the slips along as unknowns from the moment at which the residual is within the
     /// rounding of slips that are computed from the velocities.
     #[inline(always)]
-    fn choose_unknowns(&mut self, here: &Balance<R>, trial: &Trial<R>) {
+    fn choose_unknowns(&mut self, here: &Balance<R>, trial: &TrialStep<R>) {
         if !(self.with_slips || self.strain.of_step(self.problem).is_resolved()) {
             let of_slips = (self.scale).rounding_of_slips(self.problem, trial, &self.strain);
             self.with_slips =
@@ -319,7 +320,11 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Halves the step from the last accepted trial. Returns `None` if there is no such trial, or
     /// if the step is below rounding.
     #[inline(always)]
-    fn shorten_the_step(&mut self, contacts: &mut Contacts<R>, trial: &mut Trial<R>) -> Option<()> {
+    fn shorten_the_step(
+        &mut self,
+        contacts: &mut Contacts<R>,
+        trial: &mut TrialStep<R>,
+    ) -> Option<()> {
         let base = self.base?;
         self.share *= R::HALF;
         if self.share < R::EPSILON {
@@ -338,7 +343,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         &mut self,
         here: &Balance<R>,
         contacts: &mut Contacts<R>,
-        trial: &mut Trial<R>,
+        trial: &mut TrialStep<R>,
     ) -> bool {
         let problem = self.problem;
         let loads_agree = self.loads_agree(contacts);
@@ -361,7 +366,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             residual = self.residual_by_loads(contacts, trial);
         }
         let begins_in_stick = self.base.is_none() && !is_resolved && {
-            let excess = self.excess(contacts, false);
+            let excess = self.excess(contacts, LinearFriction::OfMatrix);
             residual = without_excess(problem, residual, excess);
             excess != [R::Vec3::ZERO; 2]
         };
@@ -429,7 +434,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Residual of the momentum balance with the linear forces of hard contacts.
     #[cold]
     #[inline(never)]
-    fn residual_by_loads(&self, contacts: &Contacts<R>, trial: &Trial<R>) -> [R::Vec3; 2] {
+    fn residual_by_loads(&self, contacts: &Contacts<R>, trial: &TrialStep<R>) -> [R::Vec3; 2] {
         let problem = self.problem;
         let mut sum = Sum::NONE;
         for touch in contacts.stored() {
@@ -480,7 +485,12 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
 
     /// Computes strain and derivatives at a trial.
     #[inline(always)]
-    fn differentiate(&mut self, is_by_loads: bool, contacts: &mut Contacts<R>, trial: &Trial<R>) {
+    fn differentiate(
+        &mut self,
+        is_by_loads: bool,
+        contacts: &mut Contacts<R>,
+        trial: &TrialStep<R>,
+    ) {
         let problem = self.problem;
         if DEFERS && contacts.has_others() {
             self.complete_others(contacts, trial);
@@ -496,7 +506,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
 
     /// Strain on friction and dampers at the last trial.
     #[inline(never)]
-    fn strain_at(&mut self, contacts: &Contacts<R>, trial: &Trial<R>) -> Strain<R> {
+    fn strain_at(&mut self, contacts: &Contacts<R>, trial: &TrialStep<R>) -> Strain<R> {
         if DEFERS && contacts.has_others() {
             self.complete_others(contacts, trial);
         }
@@ -507,17 +517,20 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         Strain::at(self.problem, contacts, of_others)
     }
 
-    /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
-    /// laws at the last trial. With `to_dual`, those of the dual forces.
+    /// Force (N) and torque (N m) by which a linear friction exceeds that of the laws at the last
+    /// trial.
     #[cold]
     #[inline(never)]
-    fn excess(&self, contacts: &Contacts<R>, to_dual: bool) -> [R::Vec3; 2] {
-        let [force, torque] = contacts.excess(self.problem, to_dual);
+    fn excess(&self, contacts: &Contacts<R>, linear: LinearFriction) -> [R::Vec3; 2] {
+        let [force, torque] = contacts.excess(self.problem, linear);
         let Some(others) = &self.others else {
             return [force, torque];
         };
-        let [of_laws, of_duals] = others.excess;
-        let [more_force, more_torque] = if to_dual { of_duals } else { of_laws };
+        let [of_matrix, of_duals] = others.excess;
+        let [more_force, more_torque] = match linear {
+            LinearFriction::OfMatrix => of_matrix,
+            LinearFriction::OfDuals => of_duals,
+        };
         [force + more_force, torque + more_torque]
     }
 
@@ -588,7 +601,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     #[cold]
     #[inline(never)]
     fn is_close_by_dual(&self, here: &Balance<R>, contacts: &Contacts<R>) -> bool {
-        let excess = self.excess(contacts, true);
+        let excess = self.excess(contacts, LinearFriction::OfDuals);
         let residual = [here.force_residual, here.torque_residual];
         let [force, torque] = without_excess(self.problem, residual, excess);
         norm(self.problem, force, torque) <= here.tolerance * self.close
@@ -605,7 +618,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// Starts the iteration again from the best trial, as if it were the first one.
     #[cold]
     #[inline(never)]
-    fn return_to_the_best(&mut self, trial: &mut Trial<R>) {
+    fn return_to_the_best(&mut self, trial: &mut TrialStep<R>) {
         if let Some(best) = self.best {
             self.problem.set(trial, best.velocity, best.cayley);
             self.base = None;
@@ -624,7 +637,7 @@ fn slowest<R: Real>() -> R {
 #[inline]
 fn change<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    trial: &mut Trial<R>,
+    trial: &mut TrialStep<R>,
     from: &Iterate<R>,
     shift: R::Vec3,
     turn: R::Vec3,

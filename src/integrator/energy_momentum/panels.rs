@@ -1,7 +1,7 @@
 //! Panels of the rims that touch in an implicit step, whose points are placed anew for each trial.
 
 use super::dual::Dual;
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::reversal::Reversal;
 use super::touch::Touch;
 use crate::body::{Panel, RigidPointBody, Rim};
@@ -76,7 +76,7 @@ impl Panels {
     #[inline(never)]
     pub(super) fn place_points<R: Real, D: Dynamics<R>>(
         &mut self,
-        (problem, trial): (&Problem<'_, R, D>, &Trial<R>),
+        (problem, trial): (&Problem<'_, R, D>, &TrialStep<R>),
         touches: &mut [Touch<R>],
         [fixed, remembered]: [usize; 2],
     ) -> usize {

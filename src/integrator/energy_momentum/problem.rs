@@ -13,13 +13,13 @@
 //! the law at most. A body that hardly moves, such as one that friction holds on a slope, has the
 //! law as it is, and so has one that rolls under its weight, unless the slip speed is very small.
 
-use super::block::Block;
 use super::resistances::resolution;
 use crate::contact::{Motion, MovingContact};
 use crate::energy::Energy;
 use crate::force::Force;
 use crate::friction::{FrictionJacobian, LawOfSurface, SlidingFriction};
 use crate::ground::{MeanForce, OneSurface, Plane, SpringDamperGround, Surface};
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector, is_single};
 use crate::rotation::{Axes, Rotation};
 use crate::scene::Dynamics;
@@ -69,7 +69,7 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) mass: R,
     /// Inertia tensor at the start, world axes. A principal moment of zero is replaced by the
     /// largest moment, and the angular momentum about that axis by zero.
-    pub(super) inertia: Block<R>,
+    pub(super) inertia: Matrix3<R>,
     /// Length that represents the size of the body, m, positive.
     pub(super) bounding_radius: R,
     /// Size of the numbers whose difference is the depth of a contact, m.
@@ -83,7 +83,7 @@ pub(super) struct Problem<'a, R: Real, D> {
 /// Mean velocity and Cayley argument of a step, which are the six unknowns, and the quantities that
 /// follow from them for every contact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Trial<R: Real> {
+pub(super) struct TrialStep<R: Real> {
     /// Mean velocity of the centre of mass, m/s.
     pub(super) velocity: R::Vec3,
     /// Half the mean angle, `a = dt ω/2`: the argument of the Cayley map.
@@ -93,19 +93,19 @@ pub(super) struct Trial<R: Real> {
     /// Change of a vector by the rotation of the step:
     /// `(1 - â)⁻¹ (1 + â) - 1 = 2 (â + â²)/(1 + |a|²)`. It is small if the rotation is small, so
     /// that there is no cancellation.
-    pub(super) rotation_change: Block<R>,
+    pub(super) rotation_change: Matrix3<R>,
     /// Velocity at the end, `2 vₘ - v`.
     pub(super) end_velocity: R::Vec3,
     /// Angular momentum at the end, `R (2 J ωₘ - L)`.
     pub(super) end_angular_momentum: R::Vec3,
 }
 
-impl<R: Real> Trial<R> {
+impl<R: Real> TrialStep<R> {
     pub(super) const NONE: Self = Self {
         velocity: R::Vec3::ZERO,
         cayley: R::Vec3::ZERO,
         shift: R::Vec3::ZERO,
-        rotation_change: Block::ZERO,
+        rotation_change: Matrix3::ZERO,
         end_velocity: R::Vec3::ZERO,
         end_angular_momentum: R::Vec3::ZERO,
     };
@@ -179,7 +179,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             unpushed: None,
             slip_resolution: R::ZERO,
             mass: properties.mass(),
-            inertia: Block::ZERO,
+            inertia: Matrix3::ZERO,
             bounding_radius: if bounding_radius > R::ZERO {
                 bounding_radius
             } else {
@@ -198,7 +198,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         let properties = self.scene.inertia_properties();
         let ([x, y, z], angular_momentum) =
             properties.inertia_for_solving(&self.motion.axes, self.start.angular_momentum);
-        self.inertia = Block { x, y, z };
+        self.inertia = Matrix3 { x, y, z };
         self.angular_momentum = angular_momentum;
         if is_single::<R>() {
             let around = self.motion.angular_velocity.length() * self.bounding_radius;
@@ -421,7 +421,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             let facing = moving.above(&ground, centre, &axes);
             return centre + axes.to_world(facing.position);
         }
-        let place = centre + arm + Block::<R>::rotation_change(cayley).times(arm);
+        let place = centre + arm + Matrix3::<R>::rotation_change(cayley).times(arm);
         if radius > R::ZERO {
             place - ground.surface(place).normal * radius
         } else {
@@ -463,7 +463,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     }
 
     /// Mean angular velocity of a trial relative to the ground, rad/s.
-    pub(super) fn mean_angular_velocity(&self, trial: &Trial<R>) -> R::Vec3 {
+    pub(super) fn mean_angular_velocity(&self, trial: &TrialStep<R>) -> R::Vec3 {
         let of_body = trial.cayley * (R::TWO * self.per_second);
         match self.scene.ground().motion() {
             Some(ground) => of_body - ground.angular_velocity,
@@ -473,7 +473,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// Mean angular velocity of a trial relative to the ground with its [`resolution`], both in
     /// rad/s.
-    pub(super) fn mean_rotation(&self, trial: &Trial<R>) -> (R::Vec3, R) {
+    pub(super) fn mean_rotation(&self, trial: &TrialStep<R>) -> (R::Vec3, R) {
         (self.mean_angular_velocity(trial), self.turn_resolution())
     }
 
@@ -489,7 +489,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// First trial of a step from this energy: the velocities of the start, and what gravity adds
     /// to them, unless the body may stick to the ground, which then carries most of the weight.
-    pub(super) fn first_trial(&self, energy: &Energy<R>) -> Trial<R> {
+    pub(super) fn first_trial(&self, energy: &Energy<R>) -> TrialStep<R> {
         let half = self.seconds * R::HALF;
         let mut velocity = self.start.linear_velocity;
         if !(energy.springs > R::ZERO && self.may_stick()) {
@@ -515,17 +515,17 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// Trial with these unknowns.
-    pub(super) fn trial(&self, velocity: R::Vec3, cayley: R::Vec3) -> Trial<R> {
-        let mut trial = Trial::NONE;
+    /// TrialStep with these unknowns.
+    pub(super) fn trial(&self, velocity: R::Vec3, cayley: R::Vec3) -> TrialStep<R> {
+        let mut trial = TrialStep::NONE;
         self.set(&mut trial, velocity, cayley);
         trial
     }
 
     /// Sets the unknowns of a trial in place.
     #[inline(never)]
-    pub(super) fn set(&self, trial: &mut Trial<R>, velocity: R::Vec3, cayley: R::Vec3) {
-        let change = Block::rotation_change(cayley);
+    pub(super) fn set(&self, trial: &mut TrialStep<R>, velocity: R::Vec3, cayley: R::Vec3) {
+        let change = Matrix3::rotation_change(cayley);
         let mean_momentum = self.inertia.times(cayley) * (R::TWO * self.per_second);
         let turned = mean_momentum * R::TWO - self.angular_momentum;
         trial.velocity = velocity;
@@ -539,7 +539,7 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// Rounding of a contact's path over a trial, m: some units in the last place of the two paths
     /// whose sum it is.
     #[inline]
-    pub(super) fn rounding_of_path(&self, trial: &Trial<R>) -> R {
+    pub(super) fn rounding_of_path(&self, trial: &TrialStep<R>) -> R {
         let paths = trial.shift.length() + trial.cayley.length() * (R::TWO * self.bounding_radius);
         paths * (R::EPSILON * R::from_f64(8.0))
     }
@@ -552,14 +552,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
 
     /// Position of the body at the end of a trial, and its axes there.
     #[inline]
-    pub(super) fn place_at_end(&self, trial: &Trial<R>) -> (R::Vec3, Axes<R>) {
+    pub(super) fn place_at_end(&self, trial: &TrialStep<R>) -> (R::Vec3, Axes<R>) {
         let turn = Rotation::cayley_unscaled(trial.cayley).after(self.rotation);
         let position = self.motion.position + trial.shift;
         (position, turn.normalised().axes())
     }
 
     /// State at the end of a trial.
-    pub(super) fn end_of(&self, trial: &Trial<R>) -> State<R> {
+    pub(super) fn end_of(&self, trial: &TrialStep<R>) -> State<R> {
         let rotation = Rotation::cayley_unscaled(trial.cayley)
             .after(self.rotation)
             .normalised();

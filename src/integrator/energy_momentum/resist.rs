@@ -16,10 +16,10 @@
 //! decreases, so the kinetic energy increases by at most the work of the ground
 //! ([`work`](super::work)).
 
-use super::block::Block;
 use super::linear::SixBySix;
 use super::shared::{motion_of, seen};
 use crate::contact::Motion;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
@@ -90,7 +90,7 @@ impl<R: Real> Resisting<R> {
 /// Equations of a pass.
 pub(super) struct Resistance<R: Real> {
     equations: SixBySix<R>,
-    inertia: Block<R>,
+    inertia: Matrix3<R>,
     impulse: R::Vec3,
     turning: R::Vec3,
     active: bool,
@@ -104,7 +104,7 @@ impl<R: Real> Resistance<R> {
     ) -> Self {
         let properties = scene.inertia_properties();
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, angular_momentum);
-        let inertia = Block { x, y, z };
+        let inertia = Matrix3 { x, y, z };
         Self {
             equations: SixBySix::of_body(properties.mass(), &inertia),
             inertia,
@@ -140,8 +140,8 @@ impl<R: Real> Resistance<R> {
         if is_level {
             self.equations.add_on_level([along, across], place);
         } else {
-            let normal_part = Block::outer(normal * (across - along) + rubbed * across, normal);
-            let block = Block::diagonal(along).plus(&normal_part);
+            let normal_part = Matrix3::outer(normal * (across - along) + rubbed * across, normal);
+            let block = Matrix3::diagonal(along).plus(&normal_part);
             self.equations.add_at(&block, place, place);
         }
     }
@@ -161,7 +161,7 @@ impl<R: Real> Resistance<R> {
 
     /// Adds a matrix (kg m²) that resists the difference between the angular velocity and its
     /// target (`departure`, rad/s, before the impulses).
-    pub(super) fn add_turning(&mut self, matrix: &Block<R>, departure: R::Vec3) {
+    pub(super) fn add_turning(&mut self, matrix: &Matrix3<R>, departure: R::Vec3) {
         self.active = true;
         self.turning += matrix.times(departure);
         self.equations.add_turning(matrix);

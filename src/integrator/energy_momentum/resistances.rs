@@ -14,9 +14,9 @@
 //! sum. So where the angular speed and the turn speed together are below the
 //! [`resolution`], the torque is linear: with `resolution` in place of their sum.
 
-use super::block::Block;
 use super::dual::direction;
 use crate::friction::RollingResistance;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 
 /// Number of groups of contacts that are kept apart. A floor with three walls needs as many.
@@ -139,19 +139,19 @@ impl<R: Real> Resistances<R> {
     }
 
     /// Ratio of torque and angular velocity: the matrix `K`, N m s.
-    pub(super) fn ratio(&self, angular_velocity: R::Vec3) -> Block<R> {
+    pub(super) fn ratio(&self, angular_velocity: R::Vec3) -> Matrix3<R> {
         self.sum(|group| group.matrix(group.ratios(angular_velocity)))
     }
 
     /// Negative derivative of the torque with respect to the angular velocity, N m s.
-    pub(super) fn slope(&self, angular_velocity: R::Vec3) -> Block<R> {
+    pub(super) fn slope(&self, angular_velocity: R::Vec3) -> Matrix3<R> {
         self.sum(|group| group.slope(angular_velocity))
     }
 
-    fn sum(&self, of: impl Fn(&Group<R>) -> Block<R>) -> Block<R> {
+    fn sum(&self, of: impl Fn(&Group<R>) -> Matrix3<R>) -> Matrix3<R> {
         self.groups()
             .iter()
-            .fold(Block::ZERO, |sum, group| sum.plus(&of(group)))
+            .fold(Matrix3::ZERO, |sum, group| sum.plus(&of(group)))
     }
 }
 
@@ -213,19 +213,19 @@ impl<R: Real> Group<R> {
 
     /// Matrix that multiplies the parts of an angular velocity along the ground and along the
     /// normal by two factors.
-    pub(super) fn matrix(&self, [along, across]: [R; 2]) -> Block<R> {
+    pub(super) fn matrix(&self, [along, across]: [R; 2]) -> Matrix3<R> {
         let n = self.normal;
-        Block::diagonal(along).plus(&Block::outer(n * (across - along), n))
+        Matrix3::diagonal(along).plus(&Matrix3::outer(n * (across - along), n))
     }
 
-    fn slope(&self, angular_velocity: R::Vec3) -> Block<R> {
+    fn slope(&self, angular_velocity: R::Vec3) -> Matrix3<R> {
         let split = self.split(angular_velocity);
         let ratios = self.ratios_of(&split);
         let [across_path, _] = ratios;
         let [along_path, spinning] = self.slopes_of(&split, ratios);
         let u = direction::<R>(split.rolling);
         self.matrix([across_path, spinning])
-            .plus(&Block::outer(u * (along_path - across_path), u))
+            .plus(&Matrix3::outer(u * (along_path - across_path), u))
     }
 }
 

@@ -33,13 +33,13 @@
 //! not. The [end-velocity correction](super::end_velocity) includes the resistance
 //! ([`Rolling::correction`]).
 
-use super::block::Block;
 use super::contacts::Contacts;
 use super::end_velocity::share_of;
 use super::linear::{Factored, SixBySix};
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::resistances::{Group, Resistances};
 use super::touch::Touch;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
@@ -63,7 +63,7 @@ impl<R: Real> Rolling<R> {
     pub(super) fn at<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
         contacts: &Contacts<R>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> Option<Self> {
         problem
             .resists_turning()
@@ -75,7 +75,7 @@ impl<R: Real> Rolling<R> {
     fn of<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
         contacts: &Contacts<R>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> Self {
         let mut rolling = Self {
             resistances: Resistances::none(problem.turn_resolution()),
@@ -105,7 +105,7 @@ impl<R: Real> Rolling<R> {
     pub(super) fn rounding<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> R {
         let of_body = trial.cayley.length() * (R::TWO * problem.per_second);
         let size = of_body.at_least(self.angular_velocity.length());
@@ -154,11 +154,11 @@ impl<R: Real> Rolling<R> {
         ];
         let columns = |of: fn((R::Vec3, R::Vec3)) -> R::Vec3| {
             let [x, y, z] = along.map(of);
-            Block { x, y, z }
+            Matrix3 { x, y, z }
         };
-        let by_rotation = Block::<R>::by_turn(cayley).scaled(problem.per_second);
+        let by_rotation = Matrix3::<R>::by_turn(cayley).scaled(problem.per_second);
         let (shift, turn) = solve(-force, -torque);
-        let by_torque = by_rotation.times_block(&columns(|(_, turn)| turn));
+        let by_torque = by_rotation.times_matrix(&columns(|(_, turn)| turn));
         let change = self.change(by_rotation.times(turn), &by_torque);
         // The rotation follows from the change of the angular velocity: as the effect of the
         // torques it is a small difference of two large ones.
@@ -174,10 +174,11 @@ impl<R: Real> Rolling<R> {
 
     /// Solves `δ = δ̂ + G (T(ω + δ) - T(ω))` for the change δ of the angular velocity. `freely`
     /// (δ̂) is the change without a change of the torque, and `by_torque` the matrix G.
-    fn change(&self, freely: R::Vec3, by_torque: &Block<R>) -> R::Vec3 {
+    fn change(&self, freely: R::Vec3, by_torque: &Matrix3<R>) -> R::Vec3 {
         let here = self.angular_velocity;
         let residual = |by: R::Vec3| by - freely - by_torque.times(self.more_torque(by));
-        let with = |matrix: &Block<R>| Block::diagonal(R::ONE).plus(&by_torque.times_block(matrix));
+        let with =
+            |matrix: &Matrix3<R>| Matrix3::diagonal(R::ONE).plus(&by_torque.times_matrix(matrix));
         let free = here + freely - by_torque.times(self.resistances.torque(here));
         let mut by = -here;
         let mut off = residual(by);
@@ -211,13 +212,13 @@ impl<R: Real> Rolling<R> {
         &self,
         problem: &Problem<'_, R, D>,
         end: R::Vec3,
-    ) -> Option<Block<R>> {
+    ) -> Option<Matrix3<R>> {
         let shares = self.shares(problem);
         if shares == [R::ZERO; 2] {
             return None;
         }
         let groups = self.resistances.groups().iter();
-        Some(groups.fold(Block::ZERO, |sum, group| {
+        Some(groups.fold(Matrix3::ZERO, |sum, group| {
             let [along, across] = self.chords(group, end);
             let factors = [along * shares[0], across * shares[1]];
             sum.plus(&group.matrix(factors).scaled(problem.seconds))
@@ -260,7 +261,7 @@ impl<R: Real> Rolling<R> {
 pub(super) fn add_loads<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &Contacts<R>,
-    trial: &Trial<R>,
+    trial: &TrialStep<R>,
     equations: &mut SixBySix<R>,
 ) {
     let rotation = problem.mean_rotation(trial);

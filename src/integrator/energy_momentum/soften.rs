@@ -27,7 +27,7 @@
 use super::contacts::Contacts;
 use super::gather::gather;
 use super::newton;
-use super::problem::{Forces, Problem, Trial};
+use super::problem::{Forces, Problem, TrialStep};
 use crate::energy::Energy;
 use crate::integrator::Step;
 use crate::real::Real;
@@ -49,7 +49,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
     contacts: &mut Contacts<R>,
     energy: &Energy<R>,
     step: &mut Step<R>,
-) -> Option<Trial<R>> {
+) -> Option<TrialStep<R>> {
     let most = step.evaluations + WORK;
     let mut trial = problem.first_trial(energy);
     let mut known = R::ZERO;
@@ -77,7 +77,7 @@ pub(super) fn solve<R: Real, D: Dynamics<R>>(
 fn softness<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
-    trial: &Trial<R>,
+    trial: &TrialStep<R>,
 ) -> R {
     let mut stiffness = R::ZERO;
     gather(problem, contacts, true);
@@ -90,10 +90,10 @@ fn softness<R: Real, D: Dynamics<R>>(
 fn stage<R: Real, D: Dynamics<R>>(
     problem: &mut Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
-    from: &Trial<R>,
+    from: &TrialStep<R>,
     factor: R,
     step: &mut Step<R>,
-) -> Option<Trial<R>> {
+) -> Option<TrialStep<R>> {
     problem.forces = Forces::Springs {
         factor: Some(factor),
     };

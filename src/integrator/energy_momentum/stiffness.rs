@@ -4,16 +4,16 @@
 //! A contact's path changes by `ξ + ϑ × r'` (r': its arm at the end) and its mean arm by
 //! `ϑ × r'/2`. The Cayley argument changes by `(ϑ - a × ϑ + a (a·ϑ))/2`.
 
-use super::answer::Answer;
-use super::block::Block;
+use super::answer::{Answer, LinearFriction};
 use super::contacts::Contacts;
 use super::dual::direction;
 use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::linear::SixBySix;
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use super::touch::{Push, Touch};
 use crate::friction::Metric;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;
 
@@ -45,10 +45,10 @@ impl<R: Real> Others<R> {
     pub(super) fn of<D: Dynamics<R>>(
         problem: &Problem<'_, R, D>,
         contacts: &Contacts<R>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
         visit: &mut dyn FnMut(&Push<R>),
     ) -> Self {
-        let argument = Block::by_turn(trial.cayley);
+        let argument = Matrix3::by_turn(trial.cayley);
         let since = contacts.since_last(problem, trial);
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, first| {
@@ -73,7 +73,7 @@ impl<R: Real> Others<R> {
         });
         if problem.is_bare() {
             let share = share_of_arm(problem);
-            level.equations(R::ZERO, &Block::ZERO, share, &mut others.equations);
+            level.equations(R::ZERO, &Matrix3::ZERO, share, &mut others.equations);
         }
         others
     }
@@ -87,14 +87,14 @@ impl<R: Real> Others<R> {
         touch: &mut Touch<R>,
         answer: &Answer<R>,
     ) {
-        let [of_law, of_dual] = &mut self.excess;
+        let [of_matrix, of_duals] = &mut self.excess;
         // Of the two, the second matters from the second iteration on only.
         let (sum, excess) = if answer.slip == touch.push.slip {
             let excess = touch.excess_of_dual(problem, answer.dual, &answer.jacobian);
-            (of_dual, excess)
+            (of_duals, excess)
         } else {
             touch.remember(answer);
-            (of_law, touch.excess(problem, false))
+            (of_matrix, touch.excess(problem, LinearFriction::OfMatrix))
         };
         sum[0] += excess;
         sum[1] += touch.push.arm.cross(excess);
@@ -105,8 +105,8 @@ impl<R: Real> Others<R> {
     fn differentiate<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-        argument: &Block<R>,
+        trial: &TrialStep<R>,
+        argument: &Matrix3<R>,
         touch: &Touch<R>,
         answer: &Answer<R>,
     ) {
@@ -133,10 +133,10 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
     (others, is_slow): (Option<&Others<R>>, bool),
-    trial: &Trial<R>,
+    trial: &TrialStep<R>,
     equations: &mut SixBySix<R>,
 ) -> Strain<R> {
-    let argument = Block::by_turn(trial.cayley);
+    let argument = Matrix3::by_turn(trial.cayley);
     let (mass, inertia) = inertial(problem, trial, &argument);
     let share = share_of_arm(problem);
     let mut strain = others.map_or(Strain::NONE, |others| others.strain);
@@ -176,7 +176,7 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     }
     contacts.visit_reversals(problem, |reversal| {
         let resistance = reversal.direction * (reversal.coefficient * R::HALF);
-        let block = Block::outer(resistance, reversal.direction);
+        let block = Matrix3::outer(resistance, reversal.direction);
         equations.add_at(&block, reversal.arm, reversal.end_arm);
     });
     strain
@@ -188,7 +188,7 @@ fn add_anywhere<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     touch: &Touch<R>,
     answer: &Answer<R>,
-    (argument, path_by_turn): (&Block<R>, Option<&Block<R>>),
+    (argument, path_by_turn): (&Matrix3<R>, Option<&Matrix3<R>>),
     equations: &mut SixBySix<R>,
 ) {
     let push = &touch.push;
@@ -211,12 +211,12 @@ fn add_anywhere<R: Real, D: Dynamics<R>>(
 /// rotation changes its path along the ground by `path_by_turn`.
 fn move_over_surface<R: Real>(
     push: &Push<R>,
-    path_by_turn: &Block<R>,
+    path_by_turn: &Matrix3<R>,
     path: &[R::Vec3; 3],
     turn: &mut [R::Vec3; 3],
 ) {
     let n = push.normal;
-    let more = path_by_turn.plus(&Block::hat(push.end_arm));
+    let more = path_by_turn.plus(&Matrix3::hat(push.end_arm));
     for (turn, row) in turn.iter_mut().zip(path) {
         let along = *row - n * n.dot(*row);
         *turn += R::Vec3::new(more.x.dot(along), more.y.dot(along), more.z.dot(along));
@@ -227,14 +227,14 @@ fn move_over_surface<R: Real>(
 #[inline]
 fn inertial<R: Real, D>(
     problem: &Problem<'_, R, D>,
-    trial: &Trial<R>,
-    argument: &Block<R>,
-) -> (R, Block<R>) {
-    let mean = problem.inertia.times_block(argument);
+    trial: &TrialStep<R>,
+    argument: &Matrix3<R>,
+) -> (R, Matrix3<R>) {
+    let mean = problem.inertia.times_matrix(argument);
     let mean = mean
-        .plus(&trial.rotation_change.times_block(&mean))
+        .plus(&trial.rotation_change.times_matrix(&mean))
         .scaled(problem.per_second);
-    let turned = Block::hat(trial.end_angular_momentum * -R::HALF);
+    let turned = Matrix3::hat(trial.end_angular_momentum * -R::HALF);
     (problem.mass * problem.per_second, mean.plus(&turned))
 }
 
@@ -294,7 +294,7 @@ fn of_path_in_metric<R: Real, D>(
         R::Vec3::new(o, o, one),
     ];
     let [x, y, z] = axes.map(column);
-    Block::<R> { x, y, z }.rows()
+    Matrix3::<R> { x, y, z }.rows()
 }
 
 /// Derivative of the force as in [`of_path`], on level ground: n is the third axis, and no slip

@@ -1,13 +1,13 @@
 //! One contact of an implicit step: its path over a trial step, and the corresponding force.
 
-use super::block::Block;
 use super::dual::{Dual, on_disc};
 use super::lever::Lever;
-use super::problem::{Problem, Trial};
+use super::problem::{Problem, TrialStep};
 use crate::body::ContactPoint;
 use crate::contact::MovingContact;
 use crate::friction::{FrictionJacobian, Metric, RollingResistance, SlidingFriction};
 use crate::ground::{MeanForce, SpringDamperGround};
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
@@ -132,9 +132,9 @@ impl<R: Real> Push<R> {
     pub(super) fn path_by_turn<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
-        argument: &Block<R>,
-    ) -> Option<Block<R>> {
+        trial: &TrialStep<R>,
+        argument: &Matrix3<R>,
+    ) -> Option<Matrix3<R>> {
         let moving = problem.moving_contact()?;
         let (_, axes) = problem.place_at_end(trial);
         Some(self.path_over(moving.over_surface(self.normal, &axes), trial, argument))
@@ -143,13 +143,13 @@ impl<R: Real> Push<R> {
     fn path_over(
         &self,
         [first, second]: [(R::Vec3, R::Vec3); 2],
-        trial: &Trial<R>,
-        argument: &Block<R>,
-    ) -> Block<R> {
+        trial: &TrialStep<R>,
+        argument: &Matrix3<R>,
+    ) -> Matrix3<R> {
         let a = trial.cayley;
-        let over = |(moved, turn): (R::Vec3, R::Vec3)| Block::outer(a.cross(moved), turn);
+        let over = |(moved, turn): (R::Vec3, R::Vec3)| Matrix3::outer(a.cross(moved), turn);
         let carried = argument.crossed_by(-self.arm);
-        let turned = Block::hat(-self.end_arm).crossed_by(a);
+        let turned = Matrix3::hat(-self.end_arm).crossed_by(a);
         (carried.plus(&turned))
             .plus(&over(first))
             .plus(&over(second))
@@ -160,7 +160,7 @@ impl<R: Real> Push<R> {
         &self,
         problem: &Problem<'_, R, D>,
         by: &Increment<R>,
-        path_by_turn: Option<&Block<R>>,
+        path_by_turn: Option<&Matrix3<R>>,
     ) -> R::Vec3 {
         let n = self.normal;
         let path = match path_by_turn {
@@ -386,7 +386,7 @@ impl<R: Real> Touch<R> {
     pub(super) fn respond_on_level<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> bool {
         let swung = trial.rotation_change.times(self.arm);
         let moved = trial.shift + swung;
@@ -412,7 +412,7 @@ impl<R: Real> Touch<R> {
     pub(super) fn respond_anywhere<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) {
         if problem.is_bare() {
             self.respond_on_level(problem, trial);
@@ -427,7 +427,7 @@ impl<R: Real> Touch<R> {
     pub(super) fn respond<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> Lever<R> {
         let moving = problem.moving_contact();
         let swung = match &moving {
@@ -471,7 +471,7 @@ impl<R: Real> Touch<R> {
     pub(super) fn respond_with_slip<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
-        trial: &Trial<R>,
+        trial: &TrialStep<R>,
     ) -> Lever<R> {
         let last = self.push;
         let lever = self.respond(problem, trial);
@@ -541,7 +541,7 @@ impl<R: Real> Touch<R> {
         &mut self,
         problem: &Problem<'_, R, D>,
         by: &Increment<R>,
-        path_by_turn: Option<&Block<R>>,
+        path_by_turn: Option<&Matrix3<R>>,
     ) {
         self.push.slip += self.push.slip_by(problem, by, path_by_turn);
         if let Dual::At(at) = &self.dual {
@@ -558,7 +558,7 @@ fn end_arm<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     moving: &MovingContact<'_, D::Body, R>,
     surface: u32,
-    trial: &Trial<R>,
+    trial: &TrialStep<R>,
 ) -> R::Vec3 {
     let (position, axes) = problem.place_at_end(trial);
     let facing = moving.above(&problem.ground(surface), position, &axes);

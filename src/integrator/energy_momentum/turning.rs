@@ -9,11 +9,11 @@
 //! passes. For any such ratios the rotational energy decreases, by `h (2 ω'ᵀ K ω' + ...)/2`, as for
 //! the impulses of [`resist`](super::resist). On a ground that rotates, ω is relative to it.
 
-use super::block::Block;
 use super::resistances::{Resistances, resolution};
 use super::shared::{motion_of, visit_contacts};
 use crate::friction::{RollingResistance, SlidingFriction};
 use crate::ground::SpringDamperGround;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 use crate::state::State;
@@ -36,7 +36,7 @@ pub(super) fn slowed<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, secon
     let properties = scene.inertia_properties();
     let ([x, y, z], momentum) =
         properties.inertia_for_solving(&motion.axes, state.angular_momentum);
-    let inertia = Block { x, y, z };
+    let inertia = Matrix3 { x, y, z };
     let before = scene.contact_model().seen(&motion).angular_velocity;
     let mut change = R::Vec3::ZERO;
     for _ in 0..PASSES {

@@ -41,7 +41,7 @@ mod uniform;
 use crate::body::ContactRange;
 use crate::contact::Load;
 use crate::error::{self, SceneError, StepError};
-use crate::integrator::free_error;
+use crate::integrator::free_error::{self, Bodies};
 use crate::integrator::interface::{Integrator, LIMIT_HALVINGS, Step, step_length};
 use crate::integrator::lanes::Lanes;
 use crate::integrator::point::Point;
@@ -204,7 +204,11 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
             scene,
             (point, &end),
             seconds,
-            ESTIMATED,
+            if ESTIMATED {
+                Bodies::All
+            } else {
+                Bodies::Asymmetric
+            },
             |free, point, seconds| free_orientation::<_, _, ESTIMATED>(free, point, seconds),
         );
         let (end, [correction, replaced]) =

@@ -2,7 +2,7 @@
 
 use crate::body::ContactRange;
 use crate::error::{self, SceneError, StepError};
-use crate::integrator::free_error;
+use crate::integrator::free_error::{self, Bodies};
 use crate::integrator::interface::{Integrator, LIMIT_HALVINGS, Step, step_length};
 use crate::integrator::lanes::Lanes;
 use crate::integrator::point::Point;
@@ -59,10 +59,13 @@ impl<R: Real> Integrator<R> for Rk4<R> {
         let dt = step_length(self.time_step, limit);
         let start = Point::of(state);
         let mut end = advanced(scene, &start, dt, near);
-        end.orientation =
-            free_error::removed(scene, (&start, &end), dt, false, |free, start, dt| {
-                advanced(free, start, dt, &mut { ContactRange::NONE }).orientation
-            });
+        end.orientation = free_error::removed(
+            scene,
+            (&start, &end),
+            dt,
+            Bodies::Asymmetric,
+            |free, start, dt| advanced(free, start, dt, &mut { ContactRange::NONE }).orientation,
+        );
         *state = end.to_state();
         Ok(Step::new(dt, 4))
     }

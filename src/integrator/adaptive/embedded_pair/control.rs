@@ -160,7 +160,7 @@ pub(in crate::integrator::adaptive) struct Control<R: Real> {
 }
 
 /// Step sizes of the attempts at one step.
-pub(in crate::integrator::adaptive) struct Trial<R> {
+pub(in crate::integrator::adaptive) struct TrialSize<R> {
     /// Size proposed by the controller, s.
     pub(in crate::integrator::adaptive) length: R,
     /// Size of a step to a discontinuity, s. `None` if there is none.
@@ -171,7 +171,7 @@ pub(in crate::integrator::adaptive) struct Trial<R> {
     shortened: bool,
 }
 
-impl<R: Real> Trial<R> {
+impl<R: Real> TrialSize<R> {
     /// Returns the step size to attempt, s.
     #[inline]
     pub(in crate::integrator::adaptive) fn seconds(&self, limit: R) -> R {
@@ -251,9 +251,9 @@ impl<R: Real> Control<R> {
         &self,
         settings: &Settings<R>,
         first_length: impl FnOnce() -> R,
-    ) -> Trial<R> {
+    ) -> TrialSize<R> {
         let length = self.next.unwrap_or_else(first_length);
-        Trial {
+        TrialSize {
             length: length.at_most(settings.longest_step),
             to_discontinuity: None,
             steps_left: tuning::STEPS_TO_DISCONTINUITIES,
@@ -268,7 +268,7 @@ impl<R: Real> Control<R> {
         roots: u32,
         settings: &Settings<R>,
         report: &mut Step<R>,
-    ) -> Trial<R> {
+    ) -> TrialSize<R> {
         self.first_trial(settings, || {
             report.evaluations += 2;
             first_length(roots, settings, scene, &Place::at(scene, Point::of(state)))
@@ -280,7 +280,7 @@ impl<R: Real> Control<R> {
     pub(in crate::integrator::adaptive) fn next_attempt(
         &mut self,
         settings: &Settings<R>,
-        trial: &Trial<R>,
+        trial: &TrialSize<R>,
         limit: R,
     ) -> Result<R, StepError> {
         self.spend(settings)?;
@@ -329,7 +329,7 @@ impl<R: Real> Control<R> {
     pub(in crate::integrator::adaptive) fn accept(
         &mut self,
         roots: u32,
-        trial: &Trial<R>,
+        trial: &TrialSize<R>,
         seconds: R,
         error: R,
     ) {

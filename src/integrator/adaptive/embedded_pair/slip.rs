@@ -9,7 +9,7 @@
 //! compared with the integral along the path of the slip. The same holds for a contact whose friction
 //! law varies over the ground, because the law may have a jump there.
 
-use super::touch::Taken;
+use super::touch::AttemptedStep;
 use super::tuning::{self, FRICTION_PARTS};
 use crate::body::ContactPoint;
 use crate::contact::Motion;
@@ -56,7 +56,7 @@ impl<R: Real> Slide<R> {
     }
 }
 
-impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
+impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     /// Returns the error of a contact that pushes at both ends and whose slip reverses, m/s.
     ///
     /// It is the error in the velocity of the farthest point of the body. The slip is taken as

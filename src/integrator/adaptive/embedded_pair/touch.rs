@@ -83,7 +83,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         if smooth > allowed && before.count.saturating_add(after.count) > tuning::MANY_CONTACTS {
             continue;
         }
-        let step = Taken {
+        let step = AttemptedStep {
             weights: pair.weights(),
             follows_slip: pair.follows_slip,
             scene: &OnSurface::of(scene, surface),
@@ -110,7 +110,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
 }
 
 /// An attempted step. Its type has no number of stages, so that it is compiled once for all pairs.
-pub(super) struct Taken<'a, R: Real, D> {
+pub(super) struct AttemptedStep<'a, R: Real, D> {
     /// Weights of the stages in the result.
     weights: &'a [f64],
     follows_slip: bool,
@@ -124,7 +124,7 @@ pub(super) struct Taken<'a, R: Real, D> {
     energy_gained: &'a dyn Fn() -> R,
 }
 
-impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
+impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     /// Adds the errors of one contact. Returns whether it pushes at both ends of the step.
     #[inline]
     fn add_contact(

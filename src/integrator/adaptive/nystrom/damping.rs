@@ -18,8 +18,9 @@
 use crate::contact::{Contact, Motion};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
-use crate::integrator::energy_momentum::{Block, Factored, SixBySix};
+use crate::integrator::energy_momentum::{Factored, SixBySix};
 use crate::integrator::explicit::Stage;
+use crate::integrator::matrix3::Matrix3;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
@@ -31,7 +32,7 @@ pub(super) const HORIZON: f64 = 0.01;
 pub(super) struct Damping<R: Real> {
     equations: Factored<R>,
     mass: R,
-    inertia: Block<R>,
+    inertia: Matrix3<R>,
     size: R,
 }
 
@@ -41,7 +42,7 @@ impl<R: Real> Damping<R> {
         let properties = scene.inertia_properties();
         let motion = &end.motion;
         let ([x, y, z], _) = properties.inertia_for_solving(&motion.axes, point.angular_momentum);
-        let inertia = Block { x, y, z };
+        let inertia = Matrix3 { x, y, z };
         let torque = end.torque - motion.angular_velocity.cross(point.angular_momentum);
         let rotational_acceleration = properties.angular_velocity(&motion.axes, torque);
         let mut equations = SixBySix::of_body(properties.mass(), &inertia);
@@ -51,7 +52,7 @@ impl<R: Real> Damping<R> {
             if contact.slip_velocity.dot(acceleration) <= R::ZERO {
                 let along = damper(scene, contact) * R::from_f64(HORIZON);
                 let normal = contact.normal;
-                let block = Block::diagonal(along).plus(&Block::outer(normal * -along, normal));
+                let block = Matrix3::diagonal(along).plus(&Matrix3::outer(normal * -along, normal));
                 equations.add_at(&block, contact.arm, contact.arm);
             }
         });

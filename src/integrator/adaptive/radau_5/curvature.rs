@@ -24,7 +24,7 @@
 
 use crate::contact::{Contact, any_across};
 use crate::ground::SpringDamperGround;
-use crate::integrator::energy_momentum::Block;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
@@ -35,9 +35,9 @@ const LEAST_DETERMINANT: f64 = 1e-3;
 pub(super) struct Curved<R: Real> {
     normal: R::Vec3,
     /// Change of the normal, 1/m.
-    change: Block<R>,
+    change: Matrix3<R>,
     /// Displacement of the arm over the body.
-    pub(super) over: Block<R>,
+    pub(super) over: Matrix3<R>,
 }
 
 impl<R: Real> Curved<R> {
@@ -46,7 +46,7 @@ impl<R: Real> Curved<R> {
     pub(super) fn at<D: Dynamics<R>>(
         scene: &D,
         contact: &Contact<R>,
-        moved: &Block<R>,
+        moved: &Matrix3<R>,
     ) -> Option<Self> {
         let model = scene.contact_model();
         if model.has_bare_points() || model.plane_of(contact.surface).is_some() {
@@ -70,11 +70,11 @@ impl<R: Real> Curved<R> {
     }
 
     /// Change of a vector that is rotated with the normal.
-    pub(super) fn rotated(&self, vector: R::Vec3) -> Block<R> {
-        let Block { x, y, z } = self.change;
+    pub(super) fn rotated(&self, vector: R::Vec3) -> Matrix3<R> {
+        let Matrix3 { x, y, z } = self.change;
         let along = R::Vec3::new(x.dot(vector), y.dot(vector), z.dot(vector));
         let rising = self.change.scaled(self.normal.dot(vector));
-        rising.plus(&Block::outer(-self.normal, along))
+        rising.plus(&Matrix3::outer(-self.normal, along))
     }
 }
 
@@ -101,9 +101,9 @@ fn in_plane<R: Real>(tangents: &[R::Vec3; 2], columns: &[R::Vec3; 2]) -> [[R; 2]
 }
 
 /// The matrix in space.
-fn in_space<R: Real>(tangents: &[R::Vec3; 2], matrix: &[[R; 2]; 2]) -> Block<R> {
+fn in_space<R: Real>(tangents: &[R::Vec3; 2], matrix: &[[R; 2]; 2]) -> Matrix3<R> {
     let [one, two] = *tangents;
-    let row = |[a, b]: [R; 2], to: R::Vec3| Block::outer(to, one * a + two * b);
+    let row = |[a, b]: [R; 2], to: R::Vec3| Matrix3::outer(to, one * a + two * b);
     row(matrix[0], one).plus(&row(matrix[1], two))
 }
 

@@ -31,7 +31,7 @@ use super::linear::Rows;
 use crate::contact::{Contact, Motion};
 use crate::friction::{FrictionJacobian, Metric, SlidingFriction};
 use crate::ground::SpringDamperGround;
-use crate::integrator::energy_momentum::Block;
+use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
@@ -67,16 +67,16 @@ impl<R: Real> Jacobian<R> {
             let turned = properties.angular_velocity(&motion.axes, axis.cross(angular_momentum));
             axis.cross(motion.angular_velocity) - turned
         });
-        let turning = Block::hat(motion.angular_velocity * R::HALF).plus(&by_turn);
+        let turning = Matrix3::hat(motion.angular_velocity * R::HALF).plus(&by_turn);
         let [force, torque] = [
             (load.force, properties.inverse_mass()),
             (load.torque, R::ONE),
         ]
         .map(|(part, scale)| Part {
             shift: part.shift.scaled(scale),
-            turn: (part.turn.plus(&part.spin.times_block(&by_turn))).scaled(scale),
+            turn: (part.turn.plus(&part.spin.times_matrix(&by_turn))).scaled(scale),
             velocity: part.velocity.scaled(scale),
-            spin: part.spin.times_block(&inverse).scaled(scale),
+            spin: part.spin.times_matrix(&inverse).scaled(scale),
         });
         let spin = motion.angular_velocity;
         Self {
@@ -96,18 +96,18 @@ impl<R: Real> Jacobian<R> {
 /// Derivatives of a force or a torque with respect to shift, rotation, velocity and angular
 /// velocity.
 struct Part<R: Real> {
-    shift: Block<R>,
-    turn: Block<R>,
-    velocity: Block<R>,
-    spin: Block<R>,
+    shift: Matrix3<R>,
+    turn: Matrix3<R>,
+    velocity: Matrix3<R>,
+    spin: Matrix3<R>,
 }
 
 impl<R: Real> Part<R> {
     const ZERO: Self = Self {
-        shift: Block::ZERO,
-        turn: Block::ZERO,
-        velocity: Block::ZERO,
-        spin: Block::ZERO,
+        shift: Matrix3::ZERO,
+        turn: Matrix3::ZERO,
+        velocity: Matrix3::ZERO,
+        spin: Matrix3::ZERO,
     };
 }
 
@@ -138,23 +138,23 @@ impl<R: Real> Derivatives<R> {
         let ([by_path, by_velocity], width) = scene.probe(|| by_motion(scene, contact, noise));
         self.width = self.width.at_most(width);
         let [x, y, z] = contact.arm_by_turn(scene.body(), &motion.axes);
-        let moved = Block { x, y, z };
-        let swung = by_velocity.times_block(&Block::hat(spin));
+        let moved = Matrix3 { x, y, z };
+        let swung = by_velocity.times_matrix(&Matrix3::hat(spin));
         let mut force = Part {
             shift: by_path,
-            turn: by_path.plus(&swung).times_block(&moved),
+            turn: by_path.plus(&swung).times_matrix(&moved),
             velocity: by_velocity,
-            spin: by_velocity.times_block(&Block::hat(-arm)),
+            spin: by_velocity.times_matrix(&Matrix3::hat(-arm)),
         };
         let loaded = contact.force(scene.ground(), scene.friction());
         let curved = Curved::at(scene, contact, &moved);
         if let Some(curved) = &curved {
             let velocity = contact.slip_velocity - contact.normal * contact.closing_speed;
-            let slid = by_velocity.times_block(&curved.rotated(-velocity));
+            let slid = by_velocity.times_matrix(&curved.rotated(-velocity));
             let by_shift = curved.rotated(loaded).plus(&slid);
-            let by_shift = by_shift.plus(&swung.times_block(&curved.over));
+            let by_shift = by_shift.plus(&swung.times_matrix(&curved.over));
             force.shift = force.shift.plus(&by_shift);
-            force.turn = force.turn.plus(&by_shift.times_block(&moved));
+            force.turn = force.turn.plus(&by_shift.times_matrix(&moved));
         }
         let moved_arm = moved.crossed_by(-loaded);
         let torque = &mut self.torque;
@@ -163,7 +163,7 @@ impl<R: Real> Derivatives<R> {
         if let Some(curved) = curved {
             let over = curved.over.crossed_by(-loaded);
             torque.shift = torque.shift.plus(&over);
-            torque.turn = torque.turn.plus(&over.times_block(&moved));
+            torque.turn = torque.turn.plus(&over.times_matrix(&moved));
         }
         torque.velocity = torque.velocity.plus(&force.velocity.crossed_by(arm));
         let resistance = by_turning(scene, contact, spin);
@@ -189,7 +189,7 @@ fn by_motion<R: Real, D: Dynamics<R>>(
     scene: &D,
     contact: &Contact<R>,
     noise: R,
-) -> ([Block<R>; 2], R) {
+) -> ([Matrix3<R>; 2], R) {
     let (ground, friction) = contact.laws(scene.ground(), scene.friction());
     let (n, slip) = (contact.normal, contact.slip_velocity);
     let (depth, speed) = (contact.depth, contact.closing_speed);
@@ -214,12 +214,12 @@ fn by_motion<R: Real, D: Dynamics<R>>(
     let metric = Metric::of(&friction, contact.position, known_slip);
     let along = metric.map_or(slip, |metric| metric.along_friction(slip));
     let loaded = n - along * jacobian.per_load;
-    let pushed = Block::outer(loaded, n).scaled(-contact.weight);
+    let pushed = Matrix3::outer(loaded, n).scaled(-contact.weight);
     let in_surface = match metric {
         Some(metric) => {
             let growth = if is_known { jacobian.growth } else { R::ZERO };
             let [x, y, z] = metric.derivative(&FrictionJacobian { growth, ..jacobian }, known_slip);
-            Block { x, y, z }
+            Matrix3 { x, y, z }
         }
         None => {
             let weakening = if is_known && length > R::ZERO {
@@ -227,9 +227,9 @@ fn by_motion<R: Real, D: Dynamics<R>>(
             } else {
                 R::ZERO
             };
-            Block::diagonal(R::ONE)
-                .plus(&Block::outer(-n, n))
-                .plus(&Block::outer(slip * -weakening, slip))
+            Matrix3::diagonal(R::ONE)
+                .plus(&Matrix3::outer(-n, n))
+                .plus(&Matrix3::outer(slip * -weakening, slip))
         }
     };
     let in_surface = in_surface.scaled(-(jacobian.coefficient * contact.weight));
@@ -248,11 +248,11 @@ fn by_turning<R: Real, D: Dynamics<R>>(
     scene: &D,
     contact: &Contact<R>,
     angular_velocity: R::Vec3,
-) -> Block<R> {
+) -> Matrix3<R> {
     let (ground, friction) = contact.laws(scene.ground(), scene.friction());
     let load = ground.normal_force(contact.depth, contact.closing_speed);
     let Some(resistance) = friction.rolling_resistance_at(contact.position, load) else {
-        return Block::ZERO;
+        return Matrix3::ZERO;
     };
     let n = contact.normal;
     let spinning = n * n.dot(angular_velocity);
@@ -266,10 +266,10 @@ fn by_turning<R: Real, D: Dynamics<R>>(
     } else {
         R::Vec3::ZERO
     };
-    let across = Block::outer(n, n);
-    Block::diagonal(-per_rolling)
+    let across = Matrix3::outer(n, n);
+    Matrix3::diagonal(-per_rolling)
         .plus(&across.scaled(per_rolling - per_spinning))
-        .plus(&Block::outer(
+        .plus(&Matrix3::outer(
             along * (falling(per_rolling, rates[0]) * rates[0]),
             along,
         ))
@@ -278,16 +278,16 @@ fn by_turning<R: Real, D: Dynamics<R>>(
 }
 
 /// Matrix whose columns are the images of the three axes.
-fn of_columns<R: Real>(image: impl Fn(R::Vec3) -> R::Vec3) -> Block<R> {
+fn of_columns<R: Real>(image: impl Fn(R::Vec3) -> R::Vec3) -> Matrix3<R> {
     let (o, i) = (R::ZERO, R::ONE);
-    Block {
+    Matrix3 {
         x: image(R::Vec3::new(i, o, o)),
         y: image(R::Vec3::new(o, i, o)),
         z: image(R::Vec3::new(o, o, i)),
     }
 }
 
-fn rows<R: Real>(block: &Block<R>) -> Rows<R, 3, 3> {
+fn rows<R: Real>(block: &Matrix3<R>) -> Rows<R, 3, 3> {
     block.rows().map(|row| [row.x(), row.y(), row.z()])
 }
 

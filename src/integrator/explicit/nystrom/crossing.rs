@@ -98,7 +98,7 @@ fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     missed: &mut Missed<R>,
 ) {
     let [first, third, last] = stages.motions;
-    let step = Taken {
+    let step = SeenStep {
         scene,
         ends: [ContactView::of(scene, first), ContactView::of(scene, end)],
         late: [ContactView::of(scene, third), ContactView::of(scene, last)],
@@ -120,7 +120,7 @@ fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
 }
 
 /// A step that has been taken.
-struct Taken<'a, R: Real, D> {
+struct SeenStep<'a, R: Real, D> {
     scene: &'a D,
     ends: [ContactView<'a, R, D>; 2],
     /// Third and last stage.
@@ -129,7 +129,7 @@ struct Taken<'a, R: Real, D> {
     per_second: R,
 }
 
-impl<R: Real, D: Dynamics<R>> Taken<'_, R, D> {
+impl<R: Real, D: Dynamics<R>> SeenStep<'_, R, D> {
     #[inline(always)]
     fn add_contact<const ESTIMATED: bool>(&self, point: &ContactPoint<R>, missed: &mut Missed<R>) {
         let [start, end] = &self.ends;

@@ -4,13 +4,13 @@ use crate::real::{Real, Vector};
 
 /// 3 by 3 matrix, stored by columns.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::integrator) struct Block<R: Real> {
+pub(in crate::integrator) struct Matrix3<R: Real> {
     pub(in crate::integrator) x: R::Vec3,
     pub(in crate::integrator) y: R::Vec3,
     pub(in crate::integrator) z: R::Vec3,
 }
 
-impl<R: Real> Block<R> {
+impl<R: Real> Matrix3<R> {
     pub(in crate::integrator) const ZERO: Self = Self {
         x: R::Vec3::ZERO,
         y: R::Vec3::ZERO,
@@ -69,7 +69,7 @@ impl<R: Real> Block<R> {
     }
 
     #[inline]
-    pub(in crate::integrator) fn times_block(&self, other: &Self) -> Self {
+    pub(in crate::integrator) fn times_matrix(&self, other: &Self) -> Self {
         Self {
             x: self.times(other.x),
             y: self.times(other.y),
@@ -99,7 +99,7 @@ impl<R: Real> Block<R> {
     /// `1 - â + a aᵀ`: twice the derivative of a Cayley argument `a` with respect to a rotation of
     /// the end of the step.
     #[inline]
-    pub(super) fn by_turn(a: R::Vec3) -> Self {
+    pub(in crate::integrator) fn by_turn(a: R::Vec3) -> Self {
         Self::diagonal(R::ONE)
             .plus(&Self::hat(-a))
             .plus(&Self::outer(a, a))
@@ -107,7 +107,7 @@ impl<R: Real> Block<R> {
 
     /// Solves `self v = b` by Cramer's rule, for a matrix that is far from singular.
     #[inline]
-    pub(super) fn solve(&self, b: R::Vec3) -> R::Vec3 {
+    pub(in crate::integrator) fn solve(&self, b: R::Vec3) -> R::Vec3 {
         let normal = self.y.cross(self.z);
         let per = R::ONE / self.x.dot(normal);
         R::Vec3::new(
