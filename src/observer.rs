@@ -90,7 +90,8 @@ pub trait Observer<R: Real = f64> {
     /// Receives the state at a [requested time](Self::requested_time). The observer must then
     /// request a later time.
     ///
-    /// The sample does not affect the run.
+    /// The sample does not affect the run. `Break` ends the run after the step that contains this
+    /// time: [`observe`](Self::observe) still receives the state there, which is the last one.
     #[inline]
     fn observe_requested(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
         let _ = sample;
@@ -158,9 +159,10 @@ fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
 pub struct Sample<'a, R: Real = f64> {
     /// Time since the start of the run or of the session, s.
     pub time: R,
-    /// Number of steps since the start of the run.
+    /// Number of steps since the start of the run or of the session. Within a step, that at its
+    /// start.
     pub step: u64,
-    /// Number of evaluations of the contacts' forces since the start of the run.
+    /// Number of evaluations of the contacts' forces, counted as the steps are.
     pub evaluations: u64,
     /// Number of rejected attempts of an adaptive method.
     pub rejected: u64,

@@ -563,15 +563,16 @@ where
                 state: *state,
                 workspace: I::ADAPTIVE.then(|| workspace.clone()),
             });
-            let step = self.move_on(state, end.limit(clock), workspace)?;
+            let step = self.move_on(state, end.limit(clock), workspace);
+            let step = step.map_err(|error| error.at(clock.time.to_f64()))?;
             clock.tick(&step)?;
             end.check_next_steps::<I>(&step, clock)?;
             if let Some(before) = before {
                 flow = self.show_between(observer, &end, &before, state, clock)?;
             }
-            if flow.is_continue() {
-                flow = self.show(observer, state, clock);
-            }
+            // The state is that after the step, whatever the observer has said of a time within it.
+            let shown = self.show(observer, state, clock);
+            flow = if flow.is_break() { flow } else { shown };
         }
         Ok(())
     }
@@ -618,8 +619,8 @@ where
         let (mut state, mut clock) = (before.state, before.clock);
         let mut workspace = before.workspace.clone().unwrap_or_default();
         while !asked.is_reached(&clock) {
-            let step = self.move_on(&mut state, asked.limit(&clock), &mut workspace)?;
-            clock.tick(&step)?;
+            let step = self.move_on(&mut state, asked.limit(&clock), &mut workspace);
+            clock.tick(&step.map_err(|error| error.at(clock.time.to_f64()))?)?;
         }
         Ok(state)
     }

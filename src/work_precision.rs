@@ -4,8 +4,8 @@
 //! reference run of much higher accuracy. It returns a table, which has
 //!
 //! - the [cheapest](WorkPrecision::cheapest) row within an error;
-//! - the [Pareto front](WorkPrecision::pareto_front), the rows for which no other row is better in
-//!   both error and time.
+//! - the [Pareto front](WorkPrecision::pareto_front), the rows for which no other row is at least as
+//!   good in both error and time and better in one.
 //!
 //! The error is a length, in m. It is the error of the position, plus the error of the orientation
 //! times the bounding radius of the body. The cost is the time on this machine, in a program built
@@ -29,6 +29,7 @@
 
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use core::cmp::Ordering;
 use core::fmt;
 use core::ops::ControlFlow;
 use core::time::Duration;
@@ -234,25 +235,34 @@ impl<S> WorkPrecision<S> {
     #[must_use]
     pub fn cheapest(&self, error: f64) -> Option<&Row<S>> {
         (self.rows.iter())
-            .filter(|row| row.error <= error)
-            .min_by_key(|row| row.time)
+            .filter(|row| row.failure.is_none() && row.error <= error)
+            .min_by(|a, b| by_cost(a, b))
     }
 
-    /// Returns the rows for which no other row is better in both error and time, in order of time.
+    /// Returns the rows for which no other row is at least as good in both error and time and
+    /// better in one, in order of time.
     #[must_use]
     pub fn pareto_front(&self) -> Vec<&Row<S>> {
         let mut rows: Vec<_> = (self.rows.iter())
             .filter(|row| row.failure.is_none())
             .collect();
-        rows.sort_by_key(|row| row.time);
-        let mut best = f64::INFINITY;
-        rows.retain(|row| {
-            let better = row.error < best;
-            best = best.min(row.error);
-            better
+        rows.sort_by(|a, b| by_cost(a, b));
+        let mut last: Option<&Row<S>> = None;
+        rows.retain(|&row| {
+            let is_equal = |last: &Row<S>| (row.time, row.error) == (last.time, last.error);
+            let is_best = last.is_none_or(|last| row.error < last.error || is_equal(last));
+            if is_best {
+                last = Some(row);
+            }
+            is_best
         });
         rows
     }
+}
+
+/// Order by time, and by error at the same time.
+fn by_cost<S>(a: &Row<S>, b: &Row<S>) -> Ordering {
+    (a.time.cmp(&b.time)).then(a.error.total_cmp(&b.error))
 }
 
 impl<S: fmt::Display> WorkPrecision<S> {

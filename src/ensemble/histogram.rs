@@ -125,14 +125,16 @@ impl Histogram {
     #[must_use]
     pub fn quantile(&self, fraction: f64) -> Option<[f64; 2]> {
         let is_valid = fraction > 0.0 && fraction <= 1.0 && self.count() > 0;
-        let rank = is_valid.then(|| fraction * self.count() as f64)?;
+        let all = is_valid.then(|| self.count() as f64)?;
+        // Rounds as the caller's own 7.0 / 100.0 does, which a product would not.
+        let is_reached = |until: u64| until as f64 / all >= fraction;
         let mut until = self.below;
-        if until as f64 >= rank {
+        if is_reached(until) {
             return Some([f64::NEG_INFINITY, self.low]);
         }
         for (bin, count) in self.bins.iter().enumerate() {
             until += count;
-            if until as f64 >= rank {
+            if is_reached(until) {
                 return Some(self.edges(bin));
             }
         }
@@ -213,6 +215,25 @@ mod tests {
     use alloc::string::ToString;
 
     use super::*;
+
+    /// Of n values, one in each bin, the fraction k/n is reached in bin k - 1.
+    #[test]
+    fn quantiles_are_in_their_bins_for_every_fraction_as_it_is_written() {
+        for bins in [10_u32, 64, 100, 720] {
+            let width = f64::from(bins);
+            let mut histogram = Histogram::new(0.0, width, bins as usize).unwrap();
+            (0..bins).for_each(|value| histogram.add(f64::from(value) + 0.5));
+            for rank in 1..=bins {
+                let fraction = f64::from(rank) / width;
+                let expected = [f64::from(rank - 1), f64::from(rank)];
+                let found = histogram.quantile(fraction).unwrap();
+                let off = (found[0] - expected[0])
+                    .abs()
+                    .max((found[1] - expected[1]).abs());
+                assert!(off < 1e-9, "{fraction}: {found:?}");
+            }
+        }
+    }
 
     #[test]
     fn each_value_is_counted_once() {

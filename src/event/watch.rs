@@ -7,7 +7,13 @@
 //!
 //! The derivative is that along the rates of the state, `y' = (y(x + δ x') - y(x - δ x'))/2δ`, from
 //! one evaluation of the forces. Its error is of the order of δ² times the third derivative of `y`
-//! by the state, so the extremum of a height is found far better than to δ.
+//! by the state, so the extremum of a height is found far better than to δ. At an end of the
+//! interval the value also approaches or departs if it does so over the δ within the interval:
+//! a body that starts aligned has its extremum there, with `y' = 0`.
+//!
+//! A value that is 0 at the start of a run has no sign there. If it departs in the direction
+//! opposite to its sign at `b`, a moment at which it still has the sign of its departure is found
+//! by halving the interval, and the first change lies before that moment.
 //!
 //! The earliest change is passed on, and the search continues behind it. So the changes come in the
 //! order of time. The state of an occurrence is that at the end of the last bracket, where the
@@ -52,12 +58,34 @@ pub(crate) enum Flow<R: Real> {
     Chatter(usize),
 }
 
-/// Value of an event, and the sign of its derivative, at one moment.
+/// Value of an event at one moment, and its changes shortly before and after.
 #[derive(Clone, Copy, Default)]
 struct Reading<R> {
     value: R,
+    /// Increase up to this moment, and from this moment on.
+    increases: [R; 2],
+}
+
+impl<R: Real> Reading<R> {
     /// Derivative, in a unit that depends on the step.
-    slope: R,
+    fn slope(&self) -> R {
+        let [up_to_here, from_here] = self.increases;
+        up_to_here + from_here
+    }
+
+    /// Derivative at the start of an interval: the negative one, if there is one, of that at this
+    /// moment and that from this moment on. Both are relative to a `side`.
+    fn approach(&self, side: R) -> R {
+        let [_, from_here] = self.increases;
+        (self.slope() * side).at_most(from_here * side)
+    }
+
+    /// Derivative at the end of an interval: the positive one, if there is one, of that at this
+    /// moment and that up to this moment. Both are relative to a `side`.
+    fn departure(&self, side: R) -> R {
+        let [up_to_here, _] = self.increases;
+        (self.slope() * side).at_least(up_to_here * side)
+    }
 }
 
 /// What is known of one event at the last sample.
@@ -81,7 +109,7 @@ impl<R: Real> Track<R> {
     const NEW: Self = Self {
         last: Reading {
             value: R::ZERO,
-            slope: R::ZERO,
+            increases: [R::ZERO; 2],
         },
         reference: R::ZERO,
         side: R::ZERO,
@@ -106,7 +134,7 @@ impl<R: Real> Track<R> {
     /// this reading.
     #[inline]
     fn turns_before(&self, reading: &Reading<R>) -> bool {
-        self.last.slope * self.side < R::ZERO && reading.slope * self.side > R::ZERO
+        self.last.approach(self.side) < R::ZERO && reading.departure(self.side) > R::ZERO
     }
 
     /// Begins the next interval between samples, which stands for this number of steps.
@@ -355,21 +383,48 @@ impl<R: Real> Search<'_, R> {
         end: &Instant<R>,
         at_end: Reading<R>,
     ) -> Result<Option<Instant<R>>, StepError> {
-        if let Some(direction) = self.track.change_to(at_end.value) {
-            return self
-                .locate(path, from, (end, at_end.value), direction)
-                .map(Some);
-        }
-        if !self.track.turns_before(&at_end) {
-            return Ok(None);
-        }
-        let Some((inner, reading)) = self.beyond(path, from, (end, at_end.slope))? else {
+        let beyond = match self.track.change_to(at_end.value) {
+            Some(_) => Some(match self.soon(path, from, (end, at_end.value))? {
+                Some(sooner) => sooner,
+                None => (*end, at_end),
+            }),
+            None if self.track.turns_before(&at_end) => self.beyond(path, from, (end, at_end))?,
+            None => None,
+        };
+        let Some((inner, reading)) = beyond else {
             return Ok(None);
         };
         let change = self.track.change_to(reading.value);
         change
             .map(|direction| self.locate(path, from, (&inner, reading.value), direction))
             .transpose()
+    }
+
+    /// Returns a moment at which a value that is 0 at the start of the run has the sign with which
+    /// it departs, if it has the other sign at the end of the interval.
+    fn soon(
+        &self,
+        path: &mut dyn Path<R>,
+        from: R,
+        (end, value): (&Instant<R>, R),
+    ) -> Result<Option<Beyond<R>>, StepError> {
+        let [_, departing] = self.track.last.increases;
+        let has_sign_of = |value: R, other: R| {
+            (value > R::ZERO && other > R::ZERO) || (value < R::ZERO && other < R::ZERO)
+        };
+        if self.track.side != R::ZERO || !has_sign_of(-value, departing) {
+            return Ok(None);
+        }
+        let mut length = (end.after - from) * R::HALF;
+        while length > end.after * R::EPSILON {
+            let instant = path.at(from + length)?;
+            let reading = self.read(path, &instant)?;
+            if has_sign_of(reading.value, departing) {
+                return Ok(Some((instant, reading)));
+            }
+            length *= R::HALF;
+        }
+        Ok(None)
     }
 
     /// Returns the moment after a change: the far end of the last bracket.
@@ -408,19 +463,20 @@ impl<R: Real> Search<'_, R> {
         &self,
         path: &mut dyn Path<R>,
         from: R,
-        (end, slope): (&Instant<R>, R),
+        (end, at_end): (&Instant<R>, Reading<R>),
     ) -> Result<Option<Beyond<R>>, StepError> {
         let side = self.track.side;
-        let left = [from, self.track.last.slope * side];
+        let left = [from, self.track.last.approach(side)];
+        let right = [end.after, at_end.departure(side)];
         // Near an extremum the value differs by the square of the distance.
         let tolerance = end.after * R::EPSILON.sqrt();
-        let extremum = bracket(left, [end.after, slope * side], tolerance, |after| {
+        let extremum = bracket(left, right, tolerance, |after| {
             let instant = path.at(after).map_err(Ended::Failed)?;
             let reading = self.read(path, &instant).map_err(Ended::Failed)?;
             if self.track.change_to(reading.value).is_some() {
                 return Err(Ended::Changed(instant, reading));
             }
-            Ok(reading.slope * side)
+            Ok(reading.slope() * side)
         });
         match extremum {
             Ok(_) => Ok(None),
@@ -454,15 +510,13 @@ fn read<R: Real>(
     [before, behind]: &[Instant<R>; 2],
 ) -> Result<Reading<R>, StepError> {
     let value = valid((index, event), &path.sample(instant))?;
-    if event.is_a_number() {
-        let slope = R::ZERO;
-        return Ok(Reading { value, slope });
-    }
-    let [before, behind] = [before, behind].map(|near| event.value(&path.sample(near)));
-    Ok(Reading {
-        value,
-        slope: behind - before,
-    })
+    let increases = if event.is_a_number() {
+        [R::ZERO; 2]
+    } else {
+        let [before, behind] = [before, behind].map(|near| event.value(&path.sample(near)));
+        [value - before, behind - value]
+    };
+    Ok(Reading { value, increases })
 }
 
 /// Returns the moments some seconds before and after another one, with the state moved along its

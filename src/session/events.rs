@@ -204,7 +204,8 @@ where
             return Ok(step);
         }
         let before = self.state;
-        let step = self.take_step(&before, limit)?;
+        let step = self.take_step(&before, limit);
+        let step = step.map_err(|error| error.at(clock.time.to_f64()))?;
         clock.tick(&step)?;
         self.learn(&before, &step);
         end.check_next_steps::<I>(&step, clock)?;

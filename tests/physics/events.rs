@@ -6,6 +6,7 @@
 // Bits of states and times are compared.
 #![allow(clippy::float_cmp, clippy::cast_precision_loss)]
 
+use core::f64::consts::PI;
 use core::ops::ControlFlow;
 
 use crate::common::methods::convergence;
@@ -404,6 +405,57 @@ fn an_event_at_the_very_start_is_found_once() {
         let (found, _) = all(&stepper, State::at(DVec3::Z), 0.1, [&nothing]);
         assert_eq!(found, [], "{name}");
     });
+}
+
+/// A throw from the height at which the event is 0 returns there after `2v/g`, within its first
+/// step too. The acceleration bends the path by the same way in each method.
+#[test]
+fn an_event_at_the_very_start_and_one_later_in_the_first_step_are_both_found() {
+    for time_step in [0.9, 0.65, 0.4, 1e-3] {
+        each_exact_in_flight!(time_step, |integrator, name| {
+            let stepper = ball(FlatGround::level(1e4, 0.0), integrator);
+            let height = |sample: &Sample<'_>| sample.state.position.z - 50.0;
+            for (speed, expected) in [(3.0, 2), (-3.0, 1)] {
+                let start = State::at(DVec3::Z * 50.0).with_linear_velocity(DVec3::Z * speed);
+                let (found, _) = all(&stepper, start, 0.9, [&height]);
+                assert_eq!(found.len(), expected, "{name}, {speed} m/s: {found:?}");
+                assert!(found[0].time < 1e-14, "{name}: {:e}", found[0].time);
+                let rises = found[0].direction == EventDirection::Rising;
+                assert_eq!(rises, speed > 0.0, "{name}");
+                if let Some(back) = found.get(1) {
+                    let off = back.time - 2.0 * speed / GRAVITY;
+                    assert!(off.abs() < 1e-11, "{name}: {off:e}");
+                    assert_eq!(back.direction, EventDirection::Falling, "{name}");
+                }
+            }
+        });
+    }
+}
+
+/// An axis of a body that spins about a fixed one has the cosine of the angle as its component: an
+/// extremum at the start of the step, or at its end, and two changes of the sign in between.
+#[test]
+fn a_pair_of_events_behind_an_extremum_at_an_end_of_the_step_is_found() {
+    let spin = 5.0; // rad/s
+    let axis = |sample: &Sample<'_>| (sample.state.orientation * DVec3::X).x;
+    let stepper = Stepper::builder(Coin::ring(1.0, 0.5))
+        .integrator(Flight(EnergyMomentum { time_step: 1e-3 }))
+        .build()
+        .unwrap();
+    for (ahead, seconds) in [
+        (0.0, 1.1),
+        (0.4, (2.0 * PI - 0.4) / spin),
+        (0.0, 2.0 * PI / spin),
+    ] {
+        let start = State::at(DVec3::Z).with_rotation_vector(DVec3::Z * ahead);
+        let start = stepper.with_angular_velocity(start, DVec3::Z * spin);
+        let (found, _) = all(&stepper, start, seconds, [&axis]);
+        assert_eq!(found.len(), 2, "{ahead} rad: {found:?}");
+        for (occurrence, angle) in found.iter().zip([0.5 * PI, 1.5 * PI]) {
+            let off = occurrence.time - (angle - ahead) / spin;
+            assert!(off.abs() < 1e-12, "{ahead} rad: {off:e}");
+        }
+    }
 }
 
 /// A run that ends at each event and continues finds the events of one run, and none twice.

@@ -16,9 +16,10 @@ use core::ops::ControlFlow;
 use tumble::glam::DVec3;
 use tumble::real::Vector;
 use tumble::{
-    BogackiShampine32, Cuboid, DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler,
-    Integrator, Ledger, Nystrom, Observer, PointMass, Real, RigidPointBody, Rk4, Sample, Sphere,
-    State, StepError, StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
+    AdaptiveEnergyMomentum, BogackiShampine32, Cuboid, DormandPrince54, EnergyMomentum, FlatGround,
+    Flight, ForwardEuler, Integrator, Ledger, Nystrom, Observer, PointMass, Real, RigidPointBody,
+    Rk4, Sample, Sphere, State, StepError, StrangSplitting, SymplecticEuler, Timed, Trial,
+    UniformGravity,
 };
 
 fn trial() -> Trial {
@@ -173,6 +174,49 @@ fn a_look_that_ends_the_run_leaves_the_state_after_its_step() {
     let mut same = trial().state();
     stepper.advance(&mut same, 0.011).unwrap();
     assert_eq!(state, same);
+}
+
+/// The run ends after the step within which one observer of a pair has ended it. The other one
+/// receives that state, with each method, so that a ledger hands on to the next run without a gap.
+#[test]
+fn a_look_that_ends_the_run_leaves_the_other_observer_at_the_end() {
+    fn ends<I: Integrator>(name: &str, integrator: I) {
+        let stepper = trial().stepper(integrator).unwrap();
+        let mut state = trial().state();
+        let mut books = (Ledger::new(), Ledger::new());
+        for _ in 0..3 {
+            let mut last = None;
+            let partner = |sample: &Sample<'_>| {
+                last = Some((sample.time, *sample.state));
+                ControlFlow::Continue(())
+            };
+            let film = Timed::every(0.0137, |sample: &Sample<'_>| {
+                if sample.time > 0.02 {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            });
+            let mut all = ((film.unwrap(), partner), books);
+            let time = stepper.run(&mut state, 1.0, &mut all).unwrap();
+            books = all.1;
+            assert!((0.0274..1.0).contains(&time), "{name}: {time}");
+            assert_eq!(last, Some((time, state)), "{name}");
+        }
+        let (first, second) = books;
+        for ledger in [first, second] {
+            assert_eq!(
+                ledger.now().total(),
+                stepper.energy(&state).total(),
+                "{name}"
+            );
+            assert_eq!(ledger.handed_in(), 0.0, "{name}");
+        }
+    }
+    ends("EnergyMomentum", EnergyMomentum { time_step: 3e-3 });
+    ends("Rk4", Rk4 { time_step: 1e-3 });
+    ends("flight", Flight(Rk4 { time_step: 1e-3 }));
+    ends("DormandPrince54", DormandPrince54::new(1e-5));
 }
 
 /// A free point in steps of one length: the time of the run, its steps, and their true sum.
@@ -449,6 +493,40 @@ fn a_closed_form_flight_around_an_adaptive_method_goes_on_in_contact() {
     assert_eq!(ball.advance(&mut state, 1.0), Ok(()));
     // It has left upwards.
     assert!(state.position.z > 0.1, "{state:?}");
+}
+
+/// The method that `Flight` wraps knows nothing of the flights: the run says when its step began.
+#[test]
+fn an_error_after_a_flight_names_the_time_of_the_run() {
+    fn ends<I: Integrator>(name: &str, integrator: I) {
+        let stepper = Stepper::builder(Cuboid::solid(0.02, DVec3::new(0.03, 0.02, 0.01)))
+            .gravity(UniformGravity::down(9.8))
+            .ground(FlatGround::level(1e4, 1.0))
+            .integrator(Flight(integrator))
+            .build()
+            .unwrap();
+        let start = State::at(DVec3::Z * 0.8).with_rotation_vector(DVec3::X * 0.4);
+        let of = |error: StepError| match error {
+            StepError::BudgetSpent { time, .. } | StepError::StepTooShort { time, .. } => time,
+            error => panic!("{name}: {error}"),
+        };
+        // The fall alone takes 0.4 s, in a step that costs no attempt.
+        let mut session = stepper.session(start);
+        let time = of(session.advance(3.0).unwrap_err());
+        assert!(time > 0.3 && time < 3.0, "{name}: {time}");
+        assert_eq!(time, session.time(), "{name}");
+        let of_run = stepper.advance(&mut start.clone(), 3.0).unwrap_err();
+        assert_eq!(of(of_run), time, "{name}");
+        let mut session = stepper.session(start);
+        let of_events = session.run_with_events(3.0, [], |_| ControlFlow::Continue(()));
+        assert_eq!(of(of_events.unwrap_err()), time, "{name}");
+    }
+    let mut method = DormandPrince54::new(1e-8);
+    method.budget = 40;
+    ends("DormandPrince54", method);
+    let mut method = AdaptiveEnergyMomentum::new(1e-7);
+    method.budget = 40;
+    ends("AdaptiveEnergyMomentum", method);
 }
 
 /// The unit in the last place of the largest number was infinite, so that the run was over before

@@ -3,9 +3,12 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use core::time::Duration;
+
 use tumble::error::Quantity;
 use tumble::work_precision::{
-    Failure, Method, Setting, measure, measure_against, measure_integrator, reference,
+    Failure, Method, Row, Setting, WorkPrecision, measure, measure_against, measure_integrator,
+    reference,
 };
 use tumble::{Rk4, State, StepError, Trial};
 
@@ -63,6 +66,45 @@ fn the_table_has_a_row_for_each_setting_and_its_errors_are_those_of_runs() {
     assert!(best.error <= 1e-4 && front.iter().any(|row| row.time == best.time));
     assert_eq!(table.cheapest(0.0), None);
     assert_eq!(table.to_string().lines().count(), settings.len() + 1);
+}
+
+/// Rows of equal time or equal error, in any order, and one that failed.
+#[test]
+fn rows_of_the_front_do_not_depend_on_the_order_of_the_table() {
+    let row = |setting: &'static str, error: f64, micros: u64| Row {
+        setting,
+        error,
+        time: Duration::from_micros(micros),
+        evaluations: 1,
+        steps: 1,
+        rejected: 0,
+        energy_rise: 0.0,
+        failure: None,
+    };
+    let failed = Row {
+        failure: Some(Failure::Step(StepError::BadState(Quantity::Position))),
+        ..row("failed", f64::INFINITY, 1)
+    };
+    let mut rows = vec![
+        row("a", 2.0, 10),
+        row("b", 1.0, 10),
+        row("c", 1.0, 20),
+        row("d", 0.5, 30),
+        row("e", 0.5, 30),
+        failed,
+    ];
+    for _ in 0..rows.len() {
+        rows.rotate_left(1);
+        let table = WorkPrecision {
+            rows: rows.clone(),
+            resolution: 0.0,
+        };
+        let mut front: Vec<_> = table.pareto_front().iter().map(|row| row.setting).collect();
+        front.sort_unstable();
+        assert_eq!(front, ["b", "d", "e"]);
+        assert_eq!(table.cheapest(3.0).unwrap().setting, "b");
+        assert_eq!(table.cheapest(f64::INFINITY).unwrap().setting, "b");
+    }
 }
 
 #[test]

@@ -328,15 +328,19 @@ pub fn ground<R: Real>(input: &mut Input<'_>) -> Result<AnyGround<R>, SceneError
     })
 }
 
-/// Evaluations of a ground in one input after which it counts as hanging. An input takes at most
-/// 64 steps, each with at most 10⁴ evaluations of the load, of at most 120 contacts.
+/// Evaluations of a ground in one step after which it counts as hanging. A step takes at most 10⁴
+/// evaluations of the load, of at most 120 contacts, each by several calls of the ground.
 const MOST_CALLS: u64 = 1 << 27;
 
-/// A ground that counts its evaluations and fails after too many.
+thread_local! {
+    /// Evaluations of all grounds since the last step began.
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// A ground that counts its evaluations and fails after too many in one step.
 pub struct Meter<R: Real> {
     ground: AnyGround<R>,
     is_trusted: bool,
-    calls: Cell<u64>,
 }
 
 impl<R: Real> Meter<R> {
@@ -345,36 +349,35 @@ impl<R: Real> Meter<R> {
         Self {
             is_trusted: may_trust && ground.is_trusted(),
             ground,
-            calls: Cell::new(0),
         }
     }
 
-    fn count(&self) {
-        let calls = self.calls.get() + 1;
+    fn count() {
+        let calls = CALLS.get() + 1;
         assert!(calls < MOST_CALLS, "the ground is evaluated for ever");
-        self.calls.set(calls);
+        CALLS.set(calls);
     }
 }
 
 impl<R: Real> SpringDamperGround<R> for Meter<R> {
     fn surface(&self, point: R::Vec3) -> Surface<R> {
-        self.count();
+        Self::count();
         self.ground.surface(point)
     }
     fn spring_force(&self, depth: R) -> R {
-        self.count();
+        Self::count();
         self.ground.spring_force(depth)
     }
     fn spring_energy(&self, depth: R) -> R {
-        self.count();
+        Self::count();
         self.ground.spring_energy(depth)
     }
     fn normal_force(&self, depth: R, closing_speed: R) -> R {
-        self.count();
+        Self::count();
         self.ground.normal_force(depth, closing_speed)
     }
     fn mean_force(&self, start: R, end: R, seconds: R) -> MeanForce<R> {
-        self.count();
+        Self::count();
         self.ground.mean_force(start, end, seconds)
     }
     fn bounds(&self) -> GroundBounds<R> {
@@ -384,7 +387,7 @@ impl<R: Real> SpringDamperGround<R> for Meter<R> {
         self.ground.surfaces()
     }
     fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
-        self.count();
+        Self::count();
         self.ground.with_surface(index, visit);
     }
     fn motion(&self) -> Option<GroundMotion<R>> {
@@ -505,6 +508,7 @@ impl<R: Real> Integrator<R> for Method<R> {
         limit: R,
         workspace: &mut Self::Workspace,
     ) -> Result<Step<R>, StepError> {
+        CALLS.set(0);
         if self.flies {
             let in_contact = Self {
                 flies: false,
@@ -561,10 +565,11 @@ pub fn method<R: Real>(input: &mut Input<'_>) -> Method<R> {
             budget: u32::from(input.byte()),
         }
         .into(),
+        // Each of its attempts takes three steps of up to 10⁴ evaluations.
         7 => AdaptiveEnergyMomentum {
             tolerance: input.size(1e-9, 1e-2),
             longest_step: time_step,
-            budget: u32::from(input.byte()),
+            budget: u32::from(input.byte() / 8),
         }
         .into(),
         8 => AdaptiveNystrom {
