@@ -214,6 +214,13 @@ impl<R: Real> InertiaProperties<R> {
         self.asymmetry.inverse != R::ZERO
     }
 
+    /// Returns true if the moment about the axis of symmetry is smaller than the two equal ones, as
+    /// that of a capsule is.
+    #[inline]
+    pub(crate) fn is_prolate(&self) -> bool {
+        !self.is_asymmetric() && self.symmetry.inverse > rounding_of(self.common)
+    }
+
     /// Returns true if the body does not rotate about the axis of this principal moment.
     #[inline]
     pub(crate) fn is_dead(&self, moment: R) -> bool {

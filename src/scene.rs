@@ -184,6 +184,16 @@ pub(crate) fn is_asymmetric<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> bool
     !scene.body().is_symmetric() && scene.inertia_properties().is_asymmetric()
 }
 
+/// Returns true if torque-free rotation amplifies the error of steps that add quaternions.
+///
+/// It does next to the middle one of three different moments. It also does where the moment about
+/// the axis of symmetry is the smallest: a wrong axis has a wrong spin, by `L δ/I₃`, and the stages
+/// of the next step rotate about it.
+#[inline(always)]
+pub(crate) fn amplifies_errors<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> bool {
+    is_asymmetric(scene) || scene.inertia_properties().is_prolate()
+}
+
 /// Rates of change of a state, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates<R: Real = f64> {

@@ -98,7 +98,8 @@ fn check_reach<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Result<(), V
     Ok(())
 }
 
-/// Checks that no contact is farther in a direction than the body's support function.
+/// Checks that no contact, and no point of a smooth surface, is farther in a direction than the
+/// body's support function.
 fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     direction: R::Vec3,
@@ -111,6 +112,12 @@ fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
         let most = body.bounding_radius() + body.bounding_radius() * ulps(8.0);
         demand_at_most(place.length(), most, Requirement::Reach, || Input::AsItIs)?;
         let height = direction.dot(place);
+        demand_at_most(height, bound, Requirement::Reach, || Input::AsItIs)?;
+    }
+    if body.is_smooth() {
+        // The two may be computed by different formulas.
+        let bound = support + body.bounding_radius() * ulps(256.0);
+        let height = direction.dot(body.support_point(direction));
         demand_at_most(height, bound, Requirement::Reach, || Input::AsItIs)?;
     }
     for (index, contact) in body.contacts().iter().enumerate() {

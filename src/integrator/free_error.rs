@@ -30,11 +30,12 @@
 //! at any time. So the acceleration `a` of a point has a bound, and between two ends of a step `h`
 //! the gap of a contact is at most `a h²/8` below the smaller one of its gaps at the ends.
 //!
-//! *Bodies:* adaptive methods correct any body, because the error of their steps is to be within a
-//! tolerance. With two or three equal moments it is corrected if there is no torque at all, or an
-//! applied force. The small torque of a contact causes the larger error. [`Rk4`](crate::Rk4) and
-//! [`Nystrom`](crate::Nystrom) do not correct one with two or three equal moments. Its error is not
-//! amplified, and its steps have the same bits [in lanes](crate::Stepper::advance_many).
+//! *Bodies:* the rotation [amplifies the error](amplifies_errors) of bodies with three different
+//! moments, and of those whose moment about the axis of symmetry is the smallest. Each method
+//! corrects them. Adaptive methods correct any body, because the error of their steps is to be
+//! within a tolerance: others if there is no torque at all, or an applied force. The small torque of
+//! a contact causes the larger error. [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) do not
+//! correct the others, whose steps have the same bits [in lanes](crate::Stepper::advance_many).
 
 use crate::body::RigidPointBody;
 use crate::contact::Motion;
@@ -42,7 +43,7 @@ use crate::force::Force;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, TorqueFree, is_asymmetric};
+use crate::scene::{Dynamics, TorqueFree, amplifies_errors};
 
 /// Relative change of the angular momentum in a step above which the error of the contacts is the
 /// larger one.
@@ -56,7 +57,7 @@ pub(in crate::integrator) fn weight<R: Real, D: Dynamics<R>>(
     [start, end]: [R::Vec3; 2],
 ) -> R {
     let weight = R::ONE - (end - start).length() / (start.length() * R::from_f64(SMALL));
-    let is_corrected = weight == R::ONE || is_asymmetric(scene) || scene.force().acts();
+    let is_corrected = weight == R::ONE || amplifies_errors(scene) || scene.force().acts();
     if is_corrected { weight } else { R::ZERO }
 }
 
@@ -113,9 +114,8 @@ impl<R: Real> NearlyFree<R> {
 /// Bodies whose rotation a method gets wrong without torques.
 #[derive(Clone, Copy, PartialEq)]
 pub(in crate::integrator) enum Bodies {
-    /// Those with three different moments of inertia.
-    Asymmetric,
-    /// Those with two or three equal moments as well.
+    /// Those whose rotation amplifies the error.
+    Amplifying,
     All,
 }
 
@@ -131,7 +131,7 @@ pub(in crate::integrator) fn removed<R: Real, D: Dynamics<R>>(
     bodies: Bodies,
     by_method: impl FnOnce(&TorqueFree<'_, D>, &Point<R>, R) -> Rotation<R>,
 ) -> Rotation<R> {
-    if bodies == Bodies::All || is_asymmetric(scene) {
+    if bodies == Bodies::All || amplifies_errors(scene) {
         // Copies, because references would keep both points in memory through the whole step.
         corrected(scene, &{ *start }, &{ *end }, seconds, by_method)
     } else {

@@ -57,7 +57,7 @@ pub trait Integrator<R: Real = f64> {
     const HAS_LANES: bool = false;
 
     /// Takes the same step of several states, each with the bits of [`step`](Self::step). The body
-    /// has two or three equal moments of inertia.
+    /// has three equal moments of inertia, or two equal ones and a larger one.
     #[doc(hidden)]
     #[inline]
     fn step_in_lanes<D: Dynamics<R>>(&self, scene: &D, lanes: &mut Lanes<R>, seconds: R) {

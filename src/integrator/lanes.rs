@@ -8,8 +8,10 @@
 //! *Branches.* A branch is a choice between values that are all computed. The branches that a step
 //! seldom takes are computed state by state if one lane needs them. So is the applied force.
 //!
-//! *Bodies* have two or three equal moments of inertia. The rotation of others is a series whose
-//! length depends on the state. It takes most of a step, and lanes would gain nothing.
+//! *Bodies* have three equal moments of inertia, or two equal ones and a larger one. The rotation
+//! of three different moments is a series whose length depends on the state. It takes most of a
+//! step, and lanes would gain nothing. That of two equal ones and a smaller one is
+//! [corrected](super::free_error) state by state.
 //!
 //! Each stage is a function of its own. The compiler then knows that its results do not overlap its
 //! arguments.

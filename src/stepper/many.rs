@@ -11,7 +11,7 @@ use crate::gravity::Gravity;
 use crate::ground::SpringDamperGround;
 use crate::integrator::{Integrator, Lanes, Step, step_length};
 use crate::real::Real;
-use crate::scene::{Alarm, Dynamics, ScreenedScene};
+use crate::scene::{Alarm, ScreenedScene, amplifies_errors};
 use crate::state::State;
 
 /// Number of steps after which lanes are tested. A state that is not finite stays so, and the flag
@@ -40,7 +40,7 @@ where
     /// | integrator | [`SymplecticEuler`], [`StrangSplitting`], [`Rk4`], [`Nystrom`]; not others |
     /// | ground, body | bare points on a level plane at rest; others state by state |
     /// | contact law, friction law | any, also your own, with its tests |
-    /// | moments of inertia | two or three equal ones; others advance one state after the other |
+    /// | moments of inertia | three equal ones, or two equal and a larger one (else one by one) |
     /// | applied force | state by state |
     ///
     /// With another integrator, one state is advanced after the other. `Nystrom` tests in lanes for
@@ -106,7 +106,7 @@ where
         let mut clock = Clock::new();
         let end = self.end_at(seconds);
         let is_valid = check_duration(seconds).is_ok() && end.check_steps(&clock).is_ok();
-        let has_lanes = I::HAS_LANES && !self.scene.inertia_properties().is_asymmetric();
+        let has_lanes = I::HAS_LANES && !amplifies_errors(&self.scene);
         // A few states cost as much one after the other.
         if !has_lanes || !is_valid || states.len() <= LANES / 2 {
             return clock;

@@ -1599,6 +1599,58 @@ fn a_support_point_that_is_one_per_cent_off_is_found_by_any_seed() {
     }
 }
 
+/// An ellipsoid with a support function of its own, of another scale.
+struct OwnSupport(Flattened, f64);
+
+impl RigidPointBody for OwnSupport {
+    fn mass(&self) -> f64 {
+        self.0.mass()
+    }
+    fn inertia(&self) -> DMat3 {
+        self.0.inertia()
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        self.0.contacts()
+    }
+    fn bounding_radius(&self) -> f64 {
+        self.0.bounding_radius()
+    }
+    fn is_smooth(&self) -> bool {
+        true
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        self.0.support_point(towards)
+    }
+    fn support(&self, direction: DVec3) -> f64 {
+        (self.0.semi_axes * direction).length() * self.1
+    }
+}
+
+/// Closed-form flight takes the body for smaller than it is.
+#[test]
+fn a_support_function_below_the_surface_of_a_smooth_body_is_found() {
+    for semi_axes in [DVec3::new(0.3, 0.2, 0.25), DVec3::new(2.0, 0.8, 0.7)] {
+        let body = |scale| {
+            OwnSupport(
+                Flattened {
+                    semi_axes,
+                    share: 0.0,
+                },
+                scale,
+            )
+        };
+        let check = |scale| check_body(&body(scale), CheckPlan::default());
+        check(1.0).unwrap();
+        for scale in [0.8, 1.0 - 1e-9] {
+            assert_eq!(
+                check(scale).unwrap_err().requirement,
+                Requirement::Reach,
+                "{scale}"
+            );
+        }
+    }
+}
+
 /// Euler's method for other equations: a fault that is proportional to the step changes the limit
 /// and not the order.
 struct OtherMotion<F>(ForwardEuler, F);

@@ -353,7 +353,7 @@ fn lean_after_400_steps(flatness: f64, y: f64) -> f64 {
 }
 
 #[test]
-fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() {
+fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_any_of_a_long_one() {
     // The quaternion of a spin about the axis rotates at b = y/(2 I₃/I₁) rad a step, a small lean
     // in it at a = y - b. Each step multiplies what rotates at x by a number of the square 1 -
     // x⁶/72 + x⁸/576, and scales the whole to length 1. So the lean grows if its number is the
@@ -370,16 +370,13 @@ fn runge_kutta_bears_so_much_nutation_of_a_flat_body_and_tips_a_long_one_over() 
         let lean = [0.97, 1.03].map(|share| lean_after_400_steps(flatness, share * limit));
         assert!(lean[0] < 1.0 && lean[1] > 1.0, "{flatness}: {lean:?}");
     }
-    // Rods, cigars: whatever takes energy from a spin about the axis of the least moment tips it
-    // over.
+    // Rods, cigars: whatever takes energy from a spin about the axis of the least moment would tip
+    // it over. The error of the method is removed there.
     for flatness in [0.5, 0.8] {
-        for y in [0.3, 0.6] {
+        for y in [0.3, 0.6, 3.0] {
             let lean = lean_after_400_steps(flatness, y);
-            let expected = growth(flatness, y).powi(200);
-            assert!(
-                lean > 1.0 && (lean / expected - 1.0).abs() < 1e-3,
-                "{flatness}, {y}: {lean}, not {expected}"
-            );
+            assert!(growth(flatness, y) != 1.0);
+            assert!((lean - 1.0).abs() < 1e-9, "{flatness}, {y}: {lean}");
         }
     }
 }

@@ -41,8 +41,8 @@ use crate::state::State;
 /// ```
 /// Here `r` is the bounding radius of the body (or its radius of gyration, if that is larger), and
 /// `δφ` and `δω` are the errors of the rotation and of the angular velocity. The rounding is 16 ε
-/// of position and speed, plus what the roundings of the energy and of the depths change in the
-/// velocities. The root makes the error of a run proportional to the tolerance. It counts as 1 for
+/// of position and speed, plus what the roundings of the angular momentum, of the energy and of the
+/// depths change in the velocities. The root makes the error of a run proportional to the tolerance. It counts as 1 for
 /// a tolerance above `r`.
 ///
 /// ```
@@ -282,6 +282,15 @@ fn rounding_of_energies<R: Real, D: Dynamics<R>>(scene: &D, [start, end]: [&Stat
     error_by(scene, sum, energy.kinetic()) + error_by(scene, work, closing)
 }
 
+/// Returns the error of a step that the rounding of the angular momentum causes, m. A slender body
+/// has a large inverse moment, by which a rounding about another axis is multiplied.
+#[cold]
+fn rounding_of_spin<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>) -> R {
+    let most = scene.inertia_properties().largest_inverse_moment();
+    let spin = state.angular_momentum.length() * most * (R::EPSILON * R::from_f64(16.0));
+    spin * (size(scene) * R::from_f64(HORIZON))
+}
+
 /// Returns the error of a step in which the kinetic energy `T` is wrong by `δ`, m.
 ///
 /// `EnergyMomentum` corrects the velocities of a step until the computed energy is no higher than
@@ -376,6 +385,7 @@ impl<R: Real> Doubled<R> {
         let mut allowed = allowed(settings, scene, &motion);
         if errors.total() > allowed {
             allowed += rounding_of_energies(scene, [start, &end]);
+            allowed += rounding_of_spin(scene, &end);
         }
         let mut step = sum_of(scene, [start, &end], &halves, work);
         step.elapsed = seconds;

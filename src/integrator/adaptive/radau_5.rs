@@ -31,9 +31,10 @@ use super::embedded_pair::control::{self, Errors};
 use super::embedded_pair::{Attempt, Formula, LeftOut, Pair, Place, Planned, Settings};
 use super::method::adaptive_method;
 use crate::contact::Motion;
+use crate::force::Force;
 use crate::integrator::interface::Step;
 use crate::integrator::point::Point;
-use crate::real::Real;
+use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, turned_freely};
 use jacobian::Jacobian;
 use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
@@ -147,6 +148,10 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
         if !has_equations(seconds) {
             return Some(straight(planned));
         }
+        if let Some(attempt) = free(planned) {
+            report.evaluations += 1;
+            return Some(attempt);
+        }
         let jacobian = Jacobian::at(scene, &start.motion, start.point.angular_momentum);
         let equations = Equations::of(&jacobian, start.point.orientation, seconds);
         let evaluations = core::cell::Cell::new(1);
@@ -182,6 +187,53 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
         report.evaluations += evaluations.get() + 1;
         attempt
     }
+}
+
+/// Returns a step of flight, which is exact: a parabola and the torque-free rotation. Returns `None`
+/// if a force acts besides gravity, or if a contact may come into reach.
+///
+/// The equations of the stages could need far shorter steps there. In a slender body a rounding of
+/// the angular momentum is a large angular velocity.
+#[inline(never)]
+fn free<R: Real, D: Dynamics<R>>(planned: &Planned<'_, R, D>) -> Option<Attempt<R, STAGES>> {
+    let Planned {
+        scene,
+        start,
+        seconds,
+        ..
+    } = *planned;
+    let acceleration = start.slope.linear_velocity;
+    let is_free = acceleration == scene.gravity()
+        && start.slope.angular_momentum == R::Vec3::ZERO
+        && !scene.force().acts();
+    if !is_free {
+        return None;
+    }
+    let Point {
+        position,
+        linear_velocity,
+        orientation,
+        angular_momentum,
+    } = start.point;
+    let at = |seconds: R| Point {
+        position: position + (linear_velocity + acceleration * (seconds * R::HALF)) * seconds,
+        linear_velocity: linear_velocity + acceleration * seconds,
+        orientation: turned_freely(
+            scene,
+            orientation,
+            &start.motion.axes,
+            angular_momentum,
+            seconds,
+        ),
+        angular_momentum,
+    };
+    let attempt = Attempt {
+        end: Place::under(scene, at(seconds), |motion| planned.load(motion)),
+        motions: NODES.map(|node| at(seconds * R::from_f64(node)).motion(scene)),
+        difference: start.slope.scaled(R::ZERO),
+        left_out: LeftOut::Whole,
+    };
+    attempt.is_out_of_reach(planned).then_some(attempt)
 }
 
 /// Returns false for a step so short that the coefficients of its equations, which have the inverse

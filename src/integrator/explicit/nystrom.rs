@@ -72,7 +72,8 @@ pub(in crate::integrator) use stages::{Stage, Start};
 /// quaternion with the vector part v, and `ω²` is the squared length of the angular velocity ω.
 ///
 /// Four force evaluations per step. Order 4 in smooth motion, order 5 on linear springs.
-/// Torque-free rotation of a body with three different moments of inertia is exact to rounding.
+/// Torque-free rotation is exact to rounding for a body with three different moments of inertia,
+/// and for one whose moment about the axis of symmetry is the smallest.
 ///
 /// Relative errors of an oscillation on springs at `ω dt = 1`:
 ///
@@ -207,7 +208,7 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
             if ESTIMATED {
                 Bodies::All
             } else {
-                Bodies::Asymmetric
+                Bodies::Amplifying
             },
             |free, point, seconds| free_orientation::<_, _, ESTIMATED>(free, point, seconds),
         );

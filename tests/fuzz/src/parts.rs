@@ -569,7 +569,7 @@ pub fn method<R: Real>(input: &mut Input<'_>) -> Method<R> {
         7 => AdaptiveEnergyMomentum {
             tolerance: input.size(1e-9, 1e-2),
             longest_step: time_step,
-            budget: u32::from(input.byte() / 8),
+            budget: u32::from(input.byte() / 64),
         }
         .into(),
         8 => AdaptiveNystrom {

@@ -193,8 +193,12 @@ impl<R: Real, const STAGES: usize> Attempt<R, STAGES> {
         }
     }
 
+    /// Returns true if no contact can come into reach in this step, which is nearly free.
     #[inline(never)]
-    fn is_out_of_reach<D: Dynamics<R>>(&self, planned: &Planned<'_, R, D>) -> bool {
+    pub(in crate::integrator::adaptive) fn is_out_of_reach<D: Dynamics<R>>(
+        &self,
+        planned: &Planned<'_, R, D>,
+    ) -> bool {
         let Planned { scene, start, .. } = *planned;
         let ends = [start, &self.end];
         let [first, last] = ends.map(|place| place.slope.linear_velocity.length());
