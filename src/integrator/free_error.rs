@@ -30,12 +30,13 @@
 //! at any time. So the acceleration `a` of a point has a bound, and between two ends of a step `h`
 //! the gap of a contact is at most `a h²/8` below the smaller one of its gaps at the ends.
 //!
-//! *Bodies:* the rotation [amplifies the error](amplifies_errors) of bodies with three different
-//! moments, and of those whose moment about the axis of symmetry is the smallest. Each method
-//! corrects them. Adaptive methods correct any body, because the error of their steps is to be
-//! within a tolerance: others if there is no torque at all, or an applied force. The small torque of
-//! a contact causes the larger error. [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) do not
-//! correct the others, whose steps have the same bits [in lanes](crate::Stepper::advance_many).
+//! *Bodies:* adaptive methods correct any body, because the error of their steps is to be within a
+//! tolerance. With two or three equal moments it is corrected if there is no torque at all, or an
+//! applied force. The small torque of a contact causes the larger error. [`Rk4`](crate::Rk4) and
+//! [`Nystrom`](crate::Nystrom) correct the bodies whose rotation
+//! [amplifies the error](amplifies_errors): those with three different moments, and those whose
+//! moment about the axis of symmetry is the smallest. The steps of others have the same bits
+//! [in lanes](crate::Stepper::advance_many).
 
 use crate::body::RigidPointBody;
 use crate::contact::Motion;
@@ -43,7 +44,7 @@ use crate::force::Force;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, TorqueFree, amplifies_errors};
+use crate::scene::{Dynamics, TorqueFree, amplifies_errors, is_asymmetric};
 
 /// Relative change of the angular momentum in a step above which the error of the contacts is the
 /// larger one.
@@ -57,7 +58,7 @@ pub(in crate::integrator) fn weight<R: Real, D: Dynamics<R>>(
     [start, end]: [R::Vec3; 2],
 ) -> R {
     let weight = R::ONE - (end - start).length() / (start.length() * R::from_f64(SMALL));
-    let is_corrected = weight == R::ONE || amplifies_errors(scene) || scene.force().acts();
+    let is_corrected = weight == R::ONE || is_asymmetric(scene) || scene.force().acts();
     if is_corrected { weight } else { R::ZERO }
 }
 

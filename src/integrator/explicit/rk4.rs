@@ -17,9 +17,9 @@ use crate::state::State;
 /// length 1 after each step. Use it for smooth phases of motion and as a reference.
 ///
 /// *Torque-free rotation* is exact to rounding for a body with three different moments of inertia,
-/// and for one whose moment about the axis of symmetry is the smallest. The error that the method
-/// would have is removed, as long as the torques of the step change the angular momentum by less
-/// than a part in 4096.
+/// and for one whose moment about the axis of symmetry is the smallest. For three different moments
+/// the error that the method would have is also removed where the torques of the step change the
+/// angular momentum by less than a part in 4096.
 ///
 /// *Order* 4 in smooth motion, with four force evaluations per step. Order 1 through
 /// touch-downs, where the damper's force is discontinuous.
