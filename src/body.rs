@@ -204,8 +204,8 @@ pub trait RigidPointBody<R: Real = f64> {
     ///
     /// `direction` is a unit vector in body axes. The value is never less than the greatest
     /// `direction · position + radius` of a contact, and than that of the
-    /// [support point](Self::support_point) of a smooth body. It may be slightly greater. A closed-form
-    /// [`Flight`](crate::Flight) uses it.
+    /// [support point](Self::support_point) of a smooth body. It may be slightly greater. A
+    /// closed-form [`Flight`](crate::Flight) uses it.
     fn support(&self, direction: R::Vec3) -> R {
         if self.is_smooth() {
             return direction.dot(self.support_point(direction));

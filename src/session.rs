@@ -232,8 +232,8 @@ where
     /// Creates a session that continues a saved one.
     ///
     /// The states have the same bits if scene and integrator are the same. An adaptive method
-    /// evaluates the state once more, which increases the count of evaluations by at most one, or by
-    /// a few with [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) at rest.
+    /// evaluates the state once more, which increases the count of evaluations by at most one, or
+    /// by a few with [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) at rest.
     ///
     /// In another scene the run continues from the saved state, and everything is evaluated anew.
     /// All that holds for a new session with this state holds. In particular, the energy in the

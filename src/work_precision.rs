@@ -4,8 +4,8 @@
 //! reference run of much higher accuracy. It returns a table, which has
 //!
 //! - the [cheapest](WorkPrecision::cheapest) row within an error;
-//! - the [Pareto front](WorkPrecision::pareto_front), the rows for which no other row is at least as
-//!   good in both error and time and better in one.
+//! - the [Pareto front](WorkPrecision::pareto_front), the rows for which no other row is at least
+//!   as good in both error and time and better in one.
 //!
 //! The error is a length, in m. It is the error of the position, plus the error of the orientation
 //! times the bounding radius of the body. The cost is the time on this machine, in a program built

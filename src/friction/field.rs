@@ -34,9 +34,9 @@ use crate::real::{Real, Vector};
 /// - The order of a method holds if the function is smooth. Where it jumps, the step that crosses
 ///   the jump has an error of the jump times the step size, so fixed-step methods are of order 1.
 ///   The adaptive methods detect the jump and shorten the step, except
-///   [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum): if the jump lies in the first or the
-///   last quarter of a step, its estimate does not contain it. Half steps of `h` at the speed `v`
-///   then have an error of up to the jump of the force times `h/2m` in the velocity.
+///   [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum). If the jump lies in the first or
+///   the last quarter of its step `h`, its estimate does not contain it, and the velocity has an
+///   error of up to a quarter of `h` times the jump of the force over the mass.
 /// - [`EnergyMomentum`](crate::EnergyMomentum) evaluates the function at the position that the
 ///   contact has at the middle of the step if it moves on with its velocity of the start. It keeps
 ///   order 2 and its guarantee for the energy.

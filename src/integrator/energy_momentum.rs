@@ -166,8 +166,8 @@ pub use workspace::Workspace;
 ///   weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from 1e-3
 ///   m/s² on.
 /// - *Slow motion in contact*, as of a body that rocks or that rolls up a slope: at steps below
-///   `√(128 ε E/m)/a`, with the energy `E` and the acceleration `a` at a turning point, the body can
-///   stop there for good. For `E/m = 2.5 J/kg` and `a = 0.4 m/s²` this is 15 ms
+///   `√(128 ε E/m)/a`, with the energy `E` and the acceleration `a` at a turning point, the body
+///   can stop there for good. For `E/m = 2.5 J/kg` and `a = 0.4 m/s²` this is 15 ms
 ///   ([`guide::accuracy`](crate::guide::accuracy)). [`Radau5`](crate::Radau5) has no such limit.
 /// - *Resistance to rolling and spinning* is linear where the angular speed and the turn speed
 ///   together are below 5e-4 of the body's angular speed, or below 8e-6 of the one that the weight

@@ -42,8 +42,8 @@ use crate::state::State;
 /// Here `r` is the bounding radius of the body (or its radius of gyration, if that is larger), and
 /// `δφ` and `δω` are the errors of the rotation and of the angular velocity. The rounding is 16 ε
 /// of position and speed, plus what the roundings of the angular momentum, of the energy and of the
-/// depths change in the velocities. The root makes the error of a run proportional to the tolerance. It counts as 1 for
-/// a tolerance above `r`.
+/// depths change in the velocities. The root makes the error of a run proportional to the
+/// tolerance. It counts as 1 for a tolerance above `r`.
 ///
 /// ```
 /// use tumble::glam::DVec3;

@@ -189,8 +189,8 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
     }
 }
 
-/// Returns a step of flight, which is exact: a parabola and the torque-free rotation. Returns `None`
-/// if a force acts besides gravity, or if a contact may come into reach.
+/// Returns a step of flight, which is exact: a parabola and the torque-free rotation. Returns
+/// `None` if a force acts besides gravity, or if a contact may come into reach.
 ///
 /// The equations of the stages could need far shorter steps there. In a slender body a rounding of
 /// the angular momentum is a large angular velocity.

@@ -36,8 +36,8 @@ use crate::state::State;
 /// symmetry (twice the spin for a coin).
 /// - A lean grows if the nutation rotates by more than `2.83/(1 - I₁/2I₃)` rad per step (3.77 rad
 ///   for a coin). A coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s.
-/// - A slender body (`I₃` far below `I₁`) that rotates at ω across its axis, in contact, needs steps
-///   below about `√(I₃/I₁)/ω`. A few times that step adds energy without bound.
+/// - A slender body (`I₃` far below `I₁`) that rotates at ω across its axis, in contact, needs
+///   steps below about `√(I₃/I₁)/ω`. A few times that step adds energy without bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rk4<R = f64> {
