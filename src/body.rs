@@ -64,7 +64,7 @@ use crate::error::{self, Rule, SceneError};
 pub use crate::inertia::InertiaProperties;
 use crate::real::{Real, Vector};
 
-/// A rigid body whose contacts are points, small balls or round rims.
+/// A rigid body whose contacts are points, balls or round rims.
 ///
 /// *For callers:* all quantities are in body axes with the centre of mass at the origin, in SI
 /// units, and constant.
@@ -203,7 +203,7 @@ pub trait RigidPointBody<R: Real = f64> {
     /// `direction`, m.
     ///
     /// `direction` is a unit vector in body axes. The value is never less than the greatest
-    /// `direction · position + radius` of a contact, and than that of the
+    /// `direction · position + radius` of a contact, nor than that of the
     /// [support point](Self::support_point) of a smooth body. It may be slightly greater. A
     /// closed-form [`Flight`](crate::Flight) uses it.
     fn support(&self, direction: R::Vec3) -> R {

@@ -40,7 +40,7 @@ use crate::real::{Real, Vector};
 ///
 /// # Choice of the law
 ///
-/// | law | size of the force at slip u and normal force N | use it for |
+/// | law | size of the force at slip u, normal force N and slip speed ε | use it for |
 /// |---|---|---|
 /// | [`Coulomb`] | `μ N u/(u + ε)` | the friction of the coin report; dry friction with one coefficient |
 /// | [`SmoothCoulomb`] | `μ N u/√(u² + ε²)` | dry friction with less creep at the same ε, and all derivatives |
@@ -60,6 +60,8 @@ use crate::real::{Real, Vector};
 /// surface, in the same order. Their numbers must agree when a scene is composed.
 /// [`WithResistance`], [`FrictionPatch`] and [`FrictionField`] take one law, and may each be one of
 /// several.
+///
+/// # Your own law
 ///
 /// ```
 /// use tumble::SlidingFriction;

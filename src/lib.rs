@@ -145,10 +145,9 @@
 //! friction `μ`, friction is then a damper of `μ N/slip_speed` along the surface.
 //! [`Stepper::largest_stable_step`] computes the limit at a state. All integrators conserve the
 //! angular momentum in flight. All but `ForwardEuler` are exact, to rounding, in the torque-free
-//! rotation of a body with three different moments of inertia. With equal moments [`Rk4`] and
-//! [`Nystrom`] keep the error of their order, unless that about the axis of symmetry is the
-//! smallest. A method with a tolerance returns an error if it
-//! cannot keep the tolerance.
+//! rotation of a body with three different moments of inertia. With two or three equal
+//! moments [`Rk4`] and [`Nystrom`] have the error of their order, unless a third moment is the
+//! smallest. A method with a tolerance returns an error if it cannot keep the tolerance.
 //!
 //! The order holds in smooth motion. Through touch-downs it can be lower: [`guide::accuracy`] has
 //! the orders that were measured on all eight trials.

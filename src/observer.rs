@@ -157,12 +157,11 @@ fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
 /// Sample of a run at one time. Derived quantities are computed only when their method is called.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a, R: Real = f64> {
-    /// Time since the start of the run or of the session, s.
+    /// Time since the start of the run, s. For an event: since that of the session.
     pub time: R,
-    /// Number of steps since the start of the run or of the session. Within a step, that at its
-    /// start.
+    /// Number of steps, counted from the same start. Within a step, that at its start.
     pub step: u64,
-    /// Number of evaluations of the contacts' forces, counted as the steps are.
+    /// Number of evaluations of the contacts' forces, counted in the same way.
     pub evaluations: u64,
     /// Number of rejected attempts of an adaptive method.
     pub rejected: u64,
@@ -230,7 +229,7 @@ pub trait SceneQuery<R: Real = f64> {
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>>;
     /// Number of contacts that touch the ground.
     fn touching(&self, state: &State<R>) -> usize;
-    /// Distance of two poses in bounding radii of the body: that of the centres of mass, and twice
+    /// Distance of two poses in bounding radii of the body: that of the centres of mass, plus twice
     /// the sine of half the angle between the orientations.
     ///
     /// It is not finite for a body without extension.

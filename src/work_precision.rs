@@ -8,10 +8,11 @@
 //!   as good in both error and time and better in one.
 //!
 //! The error is a length, in m. It is the error of the position, plus the error of the orientation
-//! times the bounding radius of the body. The cost is the time on this machine, in a program built
-//! with `--release`. Compare rows, not machines. The number of force evaluations is the same on
-//! every machine. [`Setting::built_in`] lists settings of all integrators of this crate.
-//! [`measure_integrator`] takes any other [`Integrator`].
+//! times the bounding radius of the body (or its radius of gyration, if that is larger). The cost
+//! is the time on this machine, in a program built with `--release`. Compare rows, not machines.
+//! The number of force evaluations is the same on every machine. [`Setting::built_in`] lists
+//! settings of all integrators of this crate. [`measure_integrator`] takes any other
+//! [`Integrator`].
 //!
 //! ```
 //! use tumble::work_precision::{Setting, measure};
@@ -139,7 +140,7 @@ pub struct Setting {
 impl Setting {
     /// Returns each method with six to eight parameters: step sizes from 10 ms to 0.1 ms,
     /// tolerances from 1e-2 to 1e-9 m. Flight is computed step by step. `AdaptiveEnergyMomentum`
-    /// has tolerances down to 1e-7 m only, because its cost grows with their root.
+    /// has tolerances down to 1e-7 m only: its cost grows with their inverse root.
     #[must_use]
     pub fn built_in() -> Vec<Self> {
         const TIME_STEPS: [f64; 7] = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4];
@@ -404,7 +405,7 @@ pub struct Reference<R: Real = f64> {
 }
 
 /// Computes the final state of a run by [`DormandPrince54`] with a tolerance of 1e-11 of the
-/// bounding radius (or of the radius of gyration, if that is larger).
+/// bounding radius (or of the radius of gyration or of 1 mm, if that is larger).
 ///
 /// # Errors
 /// Returns [`Failure`] if the run fails. In stick with a very small slip speed the run may exceed

@@ -109,7 +109,7 @@ use crate::state::State;
 ///   with dampers, if the points' touch-downs are resolved in time. [`Nystrom`](crate::Nystrom)
 ///   and the adaptive methods do that. A ring that spins upright on the spot is an exception.
 ///   Its contacts are always the same few points, near the lowest point, where friction reverses.
-///   The difference for such a ring decreases in proportion to the number of points, until their
+///   The difference for such a ring decreases as one over the number of points, until their
 ///   distance times the spin is below the slip speed.
 /// - As a leaning disc rolls round a circle, the two ends of the arc that touches slip in opposite
 ///   directions. Friction resists this rotation, and the disc rolls round a wider circle than a

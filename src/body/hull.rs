@@ -42,7 +42,7 @@ impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     /// ```
     /// use tumble::glam::DVec3;
     /// use tumble::{RigidPointBody, Solid};
-    /// // A tetrahedral die with edges of 20 mm: moments m a²/20.
+    /// // A tetrahedral die with edges L of 20 mm: moments m L²/20.
     /// let a: f64 = 0.02 / 8.0_f64.sqrt();
     /// let corners = [(a, a, a), (a, -a, -a), (-a, a, -a), (-a, -a, a)].map(DVec3::from);
     /// let die = Solid::hull(0.004, corners)?;

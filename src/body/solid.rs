@@ -19,10 +19,11 @@ use crate::real::Real;
 /// // on the rim of the disc.
 /// let peg = MassProperties::cylinder(0.01, 0.003, 0.06)?;
 /// let disc = MassProperties::cylinder(0.05, 0.03, 0.008)?.at(DVec3::Z * 0.005);
-/// let rim = |i: i32| DVec3::new((0.25 * f64::from(i)).cos(), (0.25 * f64::from(i)).sin(), 0.0) * 0.03;
+/// let eighth = core::f64::consts::FRAC_PI_4;
+/// let rim = |i: u8| DVec3::X.rotate_z(f64::from(i) * eighth) * 0.03;
 /// let contacts: [ContactPoint; 9] = core::array::from_fn(|i| match i {
 ///     0 => ContactPoint { position: DVec3::Z * -0.027, radius: 0.003 },
-///     i => ContactPoint::bare(rim(i as i32) + DVec3::Z * 0.001),
+///     i => ContactPoint::bare(rim(i as u8) + DVec3::Z * 0.001),
 /// });
 /// let top = Solid::new(peg.with(&disc), contacts)?;
 /// // The contact positions are now relative to the centre of mass.

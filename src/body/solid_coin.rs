@@ -8,7 +8,7 @@ use crate::state::State;
 
 /// Coin with a thickness: a homogeneous cylinder with contact points on its two rims.
 ///
-/// It can lie on a face, roll on an edge, and stand on both rims.
+/// It can lie on a face, roll on one rim, and stand on both.
 ///
 /// Body axes are as for [`Coin`](super::Coin): the coin's normal is x. The rims are at
 /// `x = ±thickness/2`. Contact `2 k` is a point of the rim at -x, contact `2 k + 1` the opposite

@@ -19,7 +19,7 @@ use crate::state::State;
 /// use tumble::glam::DVec3;
 /// use tumble::{CoinFace, EnergyMomentum, FlatGround, State, Stepper, ThickDisc, UniformGravity};
 ///
-/// // A coin of 20 mm x 2 mm stands on its edge, and sinks in by 0.01 mm.
+/// // A coin of 20 mm x 2 mm stands on its edge, and sinks in by some micrometres.
 /// let coin = ThickDisc::solid(5e-3, 10e-3, 2e-3, 48); // kg, m, m
 /// let stepper = Stepper::builder(coin)
 ///     .gravity(UniformGravity::down(9.81)) // m/s²
@@ -29,7 +29,8 @@ use crate::state::State;
 /// let mut state = State::at(DVec3::Z * 10e-3); // m
 /// stepper.advance(&mut state, 0.1)?; // s
 /// assert_eq!(coin.face_up(&state), CoinFace::Edge);
-/// assert!((state.position.z - 9.99e-3).abs() < 1e-5);
+/// let depth = 10e-3 - state.position.z;
+/// assert!(depth > 1e-6 && depth < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -3,7 +3,7 @@
 use alloc::string::String;
 use core::fmt::{self, Write as _};
 
-/// Hash that identifies what was thrown: scene, integrator, start distribution and patience.
+/// Hash that identifies what was thrown: scene, integrator, start distribution and time limit.
 ///
 /// It detects that results of different scenes are merged by mistake. It is FNV-1a with 64 bits
 /// (Fowler, Noll & Vo), the same on every machine. It is no protection against forgery.

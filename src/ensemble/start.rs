@@ -113,8 +113,8 @@ pub enum Sampling {
     },
     /// The starts form a Latin hypercube in all parameters: [`Toss::latin`].
     Latin {
-        /// Number of strata, from 1 to 4096. A start costs of the order of so many random numbers
-        /// for each parameter.
+        /// Number of strata, from 1 to 4096. A start costs about that many random numbers for
+        /// each parameter.
         strata: u32,
     },
 }

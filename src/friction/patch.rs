@@ -35,7 +35,7 @@ use crate::real::{Real, Vector};
 /// stepper.advance(&mut state, 2.0)?; // s
 /// // v²/(2 g) = μ₁ (s - w) + μ₂ w, with the width w of the strip.
 /// let stops = (2.5 * 2.5 / (2.0 * 9.8) - 0.05 * 0.5) / 0.4 + 0.5;
-/// // The step of 1 ms that crosses an edge counts as on one side, with 0.35 g wrong.
+/// // In a step of 1 ms that crosses an edge, the deceleration is wrong by up to 0.35 g.
 /// assert!((state.position.x - stops).abs() < 2e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -61,7 +61,7 @@ pub struct FrictionPatch<O, I, R: Real = f64> {
     pub region: Region<R>,
 }
 
-/// Region of space, for the contacts in which another law holds.
+/// Region of space in which another friction law holds.
 ///
 /// On a plane ground, a half-space is a half-plane, and a ball around a point of the ground is a
 /// disc.

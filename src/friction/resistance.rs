@@ -75,7 +75,7 @@ fn split<R: Real>(normal: R::Vec3, angular_velocity: R::Vec3) -> (R::Vec3, R::Ve
 /// A contact with the normal force N resists with torques of up to `rolling · N` and
 /// `spinning · N`: see [`RollingResistance`]. Both lengths are the usual ones:
 ///
-/// * *Rolling:* a wheel that needs the force f N to keep rolling has `rolling = f · radius`.
+/// * *Rolling:* a wheel that the force `f · N` keeps rolling has `rolling = f · radius`.
 /// * *Spinning:* a ball of radius r at the penetration depth d has a contact patch of radius
 ///   `a = √(2 r d)`. Coulomb's law under Hertz's pressure gives `spinning = 3π/16 μ a` (Johnson,
 ///   Contact Mechanics, 1985).
@@ -95,7 +95,7 @@ fn split<R: Real>(normal: R::Vec3, angular_velocity: R::Vec3) -> (R::Vec3, R::Ve
 /// - It does not hold a body at rest. A ball on a slope of angle θ, with `tan θ < rolling/radius`,
 ///   creeps at the angular speed `turn_speed · t/(1 - t)`, `t = tan θ · radius/rolling`.
 /// - On a body with many contacts it acts at each of them.
-/// - The law inside has no resistance of its own.
+/// - The law inside must have no resistance of its own.
 /// - A torque about an axis without inertia (a [`Rod`](crate::Rod)) is left out by
 ///   `EnergyMomentum`. Explicit methods keep it as angular momentum, which deflects the body when
 ///   it tilts. The two differ there by some percent of the angular velocity, at any step size.

@@ -7,6 +7,9 @@ use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
 /// Passes only every `steps`-th sample to another observer, starting with the first.
+///
+/// It passes on the samples after steps only. A time that the other observer requests, as
+/// [`Timed`](super::Timed) does, is not requested of the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Every<O> {
     steps: u64,

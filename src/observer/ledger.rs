@@ -11,8 +11,8 @@ use crate::rotation::Rotation;
 use crate::state::State;
 use reference::{Node, Part, Works};
 
-/// Energy audit of a run: works of friction, dampers, separation, drag and drives, and the energy
-/// error of the integrator.
+/// Energy audit of a run: works of friction, dampers, clamp, drag and drives, and the energy error
+/// of the integrator.
 ///
 /// ```text
 /// energy now = energy at start + work of friction, dampers, clamp and drag (each at most 0)
@@ -46,10 +46,10 @@ use reference::{Node, Part, Works};
 ///   where the energy of the motion was right to 5e-5. In `f64` it was below a fiftieth of the
 ///   error of a step.
 /// - *Damped bounces.* The error within a bounce is much larger than what is left of it after the
-///   bounce. The works are accurate to a twentieth of the largest error: to 1 % of them for a box
-///   that bounced at 1 ms, with `h √(k/m)` of 0.9. So the energy error after a damped bounce can
-///   have another size and sign than that of the motion. It decreases with the step size as that
-///   does.
+///   bounce. The works are accurate to a twentieth of the largest error. For a box of the mass m
+///   that bounced on springs of k at a step size of 0.9 `√(m/k)`, that was 1 % of the works. So
+///   the energy error after a damped bounce can have another size and sign than that of the motion.
+///   It decreases with the step size as that does.
 /// - *Friction that jumps* between two positions, as in a [`FrictionPatch`](crate::FrictionPatch),
 ///   is not located. For each contact that passes the edge, the works may be off by two fifths of
 ///   the step size times the jump of the power. That is of order 1, like the error of the methods

@@ -8,8 +8,8 @@ use crate::error::{self, SceneError};
 use crate::real::{Real, Vector};
 use crate::state::State;
 
-/// Ends a run when the body is at rest: when no point of it has moved by more than a distance for a
-/// time.
+/// Ends a run when the body is at rest: when no point of it has moved farther than a distance
+/// within a time.
 ///
 /// A single state does not suffice, because a body is also slow in the middle of a bounce, or when
 /// a rocking coin reverses. So the observer stores the pose at which the body last moved. It
@@ -39,8 +39,9 @@ use crate::state::State;
 ///
 /// *Limits:* only the poses at the ends of steps are compared. A body that creeps, as every body
 /// does on a slope, counts as at rest if it creeps by less than `distance` in the time. So does a
-/// body that stands on an edge. At the top of its path a thrown body stays within `distance` for up
-/// to `2 √(2 distance/g)`, which is 9 ms for 1e-4 m on earth. `seconds` must be longer.
+/// body that stands on an edge. At the top of its path a thrown body stays within `distance` of a
+/// pose for up to `(1 + √2) √(2 distance/g)`, which is 11 ms for 1e-4 m on earth. `seconds` must be
+/// longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UntilRest<R: Real = f64> {
     bounding_radius: R,
