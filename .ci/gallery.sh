@@ -1,7 +1,7 @@
 #!/bin/bash
 # Builds the gallery of all examples, and looks at each of its pages in Chromium, on a desktop and on a phone, light and dark: no error, no texts that overlap,
 # are cut or too small, no legend over a curve, no empty canvas or drawing, no control without a name, no page that is wider than the screen; films play, stop, and
-# stand still for who asks for it; the keyboard reaches each card; at most 20 MB. Pictures go to $CARGO_TARGET_DIR/gallery.
+# stand still for who asks for it; the keyboard reaches each card; at most 20 MB. Pictures go to $CARGO_TARGET_DIR/gallery, unless CI is set.
 # The examples check their own figures, and the gallery fails where one is not what it should be.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
