@@ -15,6 +15,7 @@ before=$(mktemp -d)
 trap 'rm -rf "$before"' EXIT
 cp -r "${pages[@]}" "$before"
 
+cargo run -q --release --example accuracy -- --f32 --write
 cargo run -q --release --example accuracy -- --f32-motion --write
 cargo run -q --release --example round_rim -- --write --out "$before/out" >/dev/null
 if [ "${1-}" = --all ]; then

@@ -214,8 +214,8 @@ pub enum Requirement {
     /// with the slip.
     #[error("growth and width of the Jacobian must be those by which |force|/|slip| decreases")]
     GrowthFits,
-    /// Friction: the metric is a symmetric matrix, and tells the direction of the force.
-    #[error("the metric must be symmetric and tell the direction of the force")]
+    /// Friction: the metric is a symmetric matrix, and gives the direction of the force.
+    #[error("the metric must be symmetric and give the direction of the force")]
     MetricFits,
 
     /// Force: a passive force does no positive work, and drag is at most 0.

@@ -288,7 +288,8 @@ pub enum StepError {
     },
     /// The time within a step is negative, NaN, or above the length of the step.
     #[error(
-        "the time within a step must be from 0 s to its length of {length} s, got {} s",
+        "the time within a step must be from 0 s to its length of {} s, got {} s",
+        Readable(*length),
         Readable(*seconds)
     )]
     BadTime {
@@ -298,7 +299,10 @@ pub enum StepError {
         length: f64,
     },
     /// The value of an event is NaN.
-    #[error("the value of the event with index {event} must not be NaN, got NaN at {time} s")]
+    #[error(
+        "the value of the event with index {event} must not be NaN, got NaN at {} s",
+        Readable(*time)
+    )]
     BadEvent {
         /// Index of the event in the array of the run.
         event: usize,

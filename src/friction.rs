@@ -96,7 +96,7 @@ pub trait SlidingFriction<R: Real = f64> {
     /// The provided method takes differences of [`force`](Self::force). The derivatives steer
     /// Newton's iteration: a small error in them costs iterations, not accuracy. If the force is
     /// not opposite to the slip, they are those of its component along the slip, and
-    /// [`metric_at`](Self::metric_at) tells its direction.
+    /// [`metric_at`](Self::metric_at) gives its direction.
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         jacobian_by_differences(|load, slip| self.force(load, slip), normal_force, slip)

@@ -37,9 +37,9 @@ use crate::state::State;
 /// let mut both = (Ledger::new(), UntilRest::new(stepper.body(), 1e-3, 0.1)?);
 /// let mut state = State::at(DVec3::Z).with_rotation_vector(DVec3::Y * 1.2);
 /// let seconds = stepper.run(&mut state, 100.0, &mut both)?;
-/// let (books, rest) = both;
+/// let (ledger, rest) = both;
 /// assert!(rest.is_reached());
-/// println!("lies after {seconds:.1} s; the dampers took {:.3} J", -books.work().damper);
+/// println!("lies after {seconds:.1} s; the dampers took {:.3} J", -ledger.work().damper);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -346,8 +346,7 @@ where
         }
     }
 
-    /// Advances the state by exactly `seconds` and passes samples to `observer`, like
-    /// [`Stepper::run`].
+    /// Advances the state by `seconds` and passes samples to `observer`, like [`Stepper::run`].
     ///
     /// Returns the time that the run has covered, s. The samples count time and steps from the
     /// start of this run.
@@ -371,9 +370,9 @@ where
         outcome.map(|()| clock.time)
     }
 
-    /// Returns an endless iterator over single steps, with the moment after each step.
+    /// Returns an iterator over single steps, with the moment after each step.
     ///
-    /// The iterator ends after an error.
+    /// It ends only after an error.
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -393,10 +392,10 @@ where
         self.moments(false, |session| session.step().map(|_| ()))
     }
 
-    /// Returns an endless iterator over samples at equal intervals (s).
+    /// Returns an iterator over samples at equal intervals (s).
     ///
-    /// The first item is the present moment. Each further item is the moment after an
-    /// [`advance`](Self::advance) by `interval`. The iterator ends after an error.
+    /// It ends only after an error. The first item is the present moment. Each further item is the
+    /// moment after an [`advance`](Self::advance) by `interval`.
     ///
     /// The session stays at the last sample taken. If a fixed step does not divide the interval,
     /// the last step before each sample is shorter. [`Timed`](crate::Timed) in a [`run`](Self::run)

@@ -197,7 +197,7 @@ impl<R: Real> Response<R> {
             let damping = jacobian.coefficient * contact.weight * share;
             self.add_damper(frame, direction, contact.arm.cross(direction), damping);
         }
-        self.add_turning(frame, contact, load, [along, across]);
+        self.add_turning(frame, contact, (&friction_law, load), [along, across]);
         [k, c]
     }
 
@@ -218,17 +218,14 @@ impl<R: Real> Response<R> {
         &mut self,
         frame: &Frame<'_, R, D>,
         contact: &Contact<R>,
-        load: R,
+        (law, load): (&impl SlidingFriction<R>, R),
         tangents: [R::Vec3; 2],
     ) {
-        let Some(resistance) = frame
-            .scene
-            .friction()
-            .rolling_resistance_at(contact.position, load)
-        else {
+        let Some(resistance) = law.rolling_resistance_at(contact.position, load) else {
             return;
         };
-        let spin = frame.motion.angular_velocity;
+        let seen = frame.scene.contact_model().seen(frame.motion);
+        let spin = seen.angular_velocity;
         let about = spin.dot(contact.normal);
         let rolling = (spin - contact.normal * about).length();
         let [per_rolling, per_spinning] = resistance.per_turn(rolling, about.abs());

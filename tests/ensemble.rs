@@ -272,6 +272,16 @@ fn overlaps_and_strangers_are_refused_and_change_nothing() {
 }
 
 #[test]
+fn a_loaded_result_with_two_histograms_of_one_name_is_refused() {
+    let tally = mixed_ensemble().run(0..10, mixed).unwrap();
+    let mut saved = serde_json::to_value(&tally).unwrap();
+    let histograms = saved["histograms"].as_array_mut().unwrap();
+    histograms.push(histograms[0].clone());
+    let error = serde_json::from_value::<tumble::ensemble::Tally<u8>>(saved).unwrap_err();
+    assert!(error.to_string().contains("different names"), "{error}");
+}
+
+#[test]
 fn a_loaded_histogram_without_bins_or_with_too_many_values_is_refused() {
     let good = serde_json::to_value(Histogram::new(0.0, 1.0, 2).unwrap()).unwrap();
     for (key, bad, rule) in [

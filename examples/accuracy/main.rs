@@ -37,7 +37,7 @@ const RUNS: usize = 20;
 /// What the command line requests.
 enum Task {
     Costs,
-    Single,
+    Single { is_written: bool },
     Motion { is_written: bool },
     Page(PathBuf),
 }
@@ -45,7 +45,7 @@ enum Task {
 fn main() -> ExitCode {
     program(parse(), HELP, |task| match task {
         Task::Costs => costs().map(|()| true),
-        Task::Single => single::tables().map(|()| true),
+        Task::Single { is_written } => single::tables(*is_written).map(|()| true),
         Task::Motion { is_written } => conservative::tables(*is_written).map(|()| true),
         Task::Page(folder) => page::write(folder),
     })
@@ -58,10 +58,12 @@ fn parse() -> Result<Option<Task>, lexopt::Error> {
     while let Some(argument) = parser.next()? {
         match (argument, &mut task) {
             (Short('h') | Long("help"), _) => return Ok(None),
-            (Long("f32"), Task::Costs) => task = Task::Single,
+            (Long("f32"), Task::Costs) => task = Task::Single { is_written: false },
             (Long("f32-motion"), Task::Costs) => task = Task::Motion { is_written: false },
             (Long("page"), Task::Costs) => task = Task::Page("out".into()),
-            (Long("write"), Task::Motion { is_written }) => *is_written = true,
+            (Long("write"), Task::Single { is_written } | Task::Motion { is_written }) => {
+                *is_written = true;
+            }
             (Short('o') | Long("out"), Task::Page(folder)) => *folder = parser.value()?.into(),
             (other, _) => return Err(other.unexpected()),
         }
@@ -77,8 +79,9 @@ Usage: cargo run --release --example accuracy -- [OPTIONS]
 
       --page [--out <FOLDER>]
                instead, a page with the error over the step size, in out/accuracy
-      --f32    instead, error and energy in single and double precision, for each integrator and
-               step size
+      --f32 [--write]
+               instead, error and energy in single and double precision, for each integrator and
+               step size; with --write into src/guide/accuracy.md
       --f32-motion [--write]
                instead, free flight, elastic bounces and falls in single precision by EnergyMomentum
                (half a minute); with --write into src/guide/accuracy.md

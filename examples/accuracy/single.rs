@@ -9,8 +9,8 @@
 use core::error::Error;
 
 use crate::truth::{DURATION, SLIP_SPEED, distance, truth};
-use common::say;
 use common::table::{self, cells};
+use common::{marked, say};
 use tumble::error::SceneError;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::integrator::step_length;
@@ -21,8 +21,18 @@ use tumble::{
 
 const STEPS: [f64; 6] = [3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
 
-/// Prints all tables.
-pub(crate) fn tables() -> Result<(), Box<dyn Error>> {
+const PAGE: &str = "src/guide/accuracy.md";
+const BY_STEP: [&str; 2] = [
+    "<!-- f32 steps: begin; written by `accuracy -- --f32 --write` -->",
+    "<!-- f32 steps: end -->",
+];
+const COMPENSATED: [&str; 2] = [
+    "<!-- f32 sums: begin; written by `accuracy -- --f32 --write` -->",
+    "<!-- f32 sums: end -->",
+];
+
+/// Prints all tables, or writes them into the page of the guide.
+pub(crate) fn tables(is_written: bool) -> Result<(), Box<dyn Error>> {
     let truth = truth()?;
     macro_rules! measured {
         ($($integrator:ident)*) => {[$((
@@ -35,23 +45,27 @@ pub(crate) fn tables() -> Result<(), Box<dyn Error>> {
     }
     let measured =
         measured!(EnergyMomentum StrangSplitting Rk4 Nystrom SymplecticEuler ForwardEuler);
-    table("error in f32 (f64), m", &measured, |end| {
+    let errors = table("error in f32 (f64), m", &measured, |end| {
         distance(&end.state, &truth)
     });
-    say("\n");
-    table("energy error in f32 (f64), J", &measured, |end| {
+    let energies = table("energy error in f32 (f64), J", &measured, |end| {
         end.energy_error.abs()
     });
-    say("\n");
-    compensation(&truth);
-    Ok(())
+    let by_step = [errors, energies].join("\n");
+    let sums = compensation(&truth);
+    if !is_written {
+        say([by_step, sums].join("\n"));
+        return Ok(());
+    }
+    marked::write(PAGE, BY_STEP, &by_step)?;
+    marked::write(PAGE, COMPENSATED, &sums)
 }
 
 type Measured = (&'static str, [[Option<End>; 2]; STEPS.len()]);
 
-/// Prints a row for each integrator, a column for each step size, and the step size with the least
+/// Returns a row for each integrator, a column for each step size, and the step size with the least
 /// figure in f32.
-fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) {
+fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) -> String {
     let mut head = vec![what.to_owned()];
     head.extend(STEPS.map(milliseconds));
     head.push("best".to_owned());
@@ -70,11 +84,11 @@ fn table(what: &str, measured: &[Measured], figure: impl Fn(&End) -> f64) {
         row.push(milliseconds(best.1));
         rows.push(row);
     }
-    table::print(&rows);
+    table::text(&rows)
 }
 
 /// Measures the gain of compensated summation, near the origin and far from it.
-fn compensation(truth: &State) {
+fn compensation(truth: &State) -> String {
     let mut rows = vec![cells([
         "`SymplecticEuler`, error in m",
         "time step",
@@ -101,7 +115,7 @@ fn compensation(truth: &State) {
             ]));
         }
     }
-    table::print(&rows);
+    table::text(&rows)
 }
 
 fn error_of<R: Widen, I: Integrator<R>>(integrator: I, away: f64, truth: &State) -> String {

@@ -405,8 +405,7 @@ mod tests {
         Coin::ring_with_storage([ContactPoint::default(); N], 1.0, 0.5)
     }
 
-    /// Checks that each contact below the plane is in the range. Each contact in the range, except
-    /// the neighbours of the two ends, must be below it.
+    /// Checks that the range contains exactly the contacts below the plane.
     fn the_arc_is_right<const N: usize>() {
         let coin = ring::<N>();
         for step in 0..1000 {

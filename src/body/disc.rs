@@ -217,6 +217,7 @@ impl<R: Real> RigidPointBody<R> for Disc<R> {
         &self.rim
     }
     fn check(&self) -> Result<(), SceneError> {
-        error::above_zero("mass of the disc", self.mass, " kg")
+        error::above_zero("mass of the disc", self.mass, " kg")?;
+        error::above_zero("radius of the disc", self.radius(), " m")
     }
 }

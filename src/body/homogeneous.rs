@@ -123,7 +123,7 @@ impl<R: Real> MassProperties<R> {
 }
 
 /// A negative mass is a hole.
-fn finite_mass<R: Real>(mass: R) -> Result<(), SceneError> {
+pub(super) fn finite_mass<R: Real>(mass: R) -> Result<(), SceneError> {
     error::finite("mass of a part", mass, " kg")
 }
 

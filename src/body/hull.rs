@@ -16,8 +16,8 @@ impl<R: Real> MassProperties<R> {
     /// belong to the facet.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a coordinate is not finite, or if the points lie in a plane, so
-    /// that the hull has no volume.
+    /// Returns [`SceneError`] if the mass or a coordinate is not finite, if there is no point, or
+    /// if the points lie in a plane, so that the hull has no volume.
     pub fn hull<V: Vector<R>>(mass: R, points: &[V]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,

@@ -1,5 +1,6 @@
 //! Mass, centre of mass and inertia of solids and of composites.
 
+use super::homogeneous::finite_mass;
 use super::point_cloud::{check_masses, inertia_of, sum};
 use crate::error::{self, Rule, SceneError};
 use crate::real::{Matrix, Real, Vector};
@@ -177,7 +178,7 @@ impl<R: Real> MassProperties<R> {
     /// # Errors
     /// Returns [`SceneError`] in these cases:
     ///
-    /// - A coordinate is not finite.
+    /// - The mass or a coordinate is not finite.
     /// - A triangle names a vertex that does not exist.
     /// - The surface is not closed: its triangles' area vectors do not add up to 0 within `√ε` of
     ///   their sizes.
@@ -271,6 +272,7 @@ impl<R: Real> Volume<R> {
 
     /// Mass properties of this volume with a mass, kg.
     pub(super) fn filled_with(&self, mass: R) -> Result<MassProperties<R>, SceneError> {
+        finite_mass(mass)?;
         let open = self.area.length();
         let is_closed = open <= self.area_size * R::EPSILON.sqrt();
         if !is_closed {

@@ -272,19 +272,19 @@ impl<R: Real> Rim<R> {
         let normal = first.cross(second).length();
         error::finite("normal of the rim", normal, "")?;
         // A rim from a file may have any axes.
-        let off = [first.length(), second.length(), normal].map(|length| (length - R::ONE).abs());
-        let is_sound = off.iter().all(|&off| off <= R::EPSILON.sqrt());
-        let longest = first.length().at_least(second.length());
-        if is_sound {
-            Ok(())
-        } else {
-            Err(SceneError::new(
-                "axes of the rim",
-                Rule::UnitLength,
-                longest.to_f64(),
-                "",
-            ))
-        }
+        unit_length("first axis of the rim", first.length())?;
+        unit_length("second axis of the rim", second.length())?;
+        unit_length("normal of the rim", normal)
+    }
+}
+
+/// Checks that a vector of this length has length 1 to half of the digits.
+fn unit_length<R: Real>(quantity: &'static str, length: R) -> Result<(), SceneError> {
+    if (length - R::ONE).abs() <= R::EPSILON.sqrt() {
+        Ok(())
+    } else {
+        let length = length.to_f64();
+        Err(SceneError::new(quantity, Rule::UnitLength, length, ""))
     }
 }
 

@@ -14,7 +14,7 @@ use super::{
     Capsule, Coin, Cone, ContactPoint, Cuboid, Disc, Ellipsoid, MassProperties, PointCloud,
     PointMass, RigidPointBody, Rod, Solid, SolidCoin, Sphere, ThickDisc,
 };
-use crate::error;
+use crate::error::{self, Rule, SceneError};
 use crate::real::{Real, Vector};
 
 /// Storage for the contacts of a loaded body: an array, or a `Vec` with the feature `std`.
@@ -33,6 +33,9 @@ pub trait Storage<R: Real>: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]> 
 /// Largest number of contacts that is loaded, so that a file cannot exhaust the memory.
 #[cfg(feature = "std")]
 const MOST_CONTACTS: usize = 1 << 24;
+/// Largest number of contacts that are computed from a few numbers of a file.
+#[cfg(feature = "std")]
+const MOST_COMPUTED: usize = 1 << 20;
 
 impl<R: Real, const N: usize> Storage<R> for [ContactPoint<R>; N] {
     fn for_contacts(count: usize) -> Option<Self> {
@@ -58,7 +61,7 @@ impl<R: Real, const N: usize> Storage<R> for [ContactPoint<R>; N] {
 #[cfg(feature = "std")]
 impl<R: Real> Storage<R> for alloc::vec::Vec<ContactPoint<R>> {
     fn for_contacts(count: usize) -> Option<Self> {
-        (count <= MOST_CONTACTS).then(|| alloc::vec![ContactPoint::default(); count])
+        (count <= MOST_COMPUTED).then(|| alloc::vec![ContactPoint::default(); count])
     }
 
     fn read<'de, A: SeqAccess<'de>>(mut list: A) -> Result<Self, A::Error>
@@ -267,6 +270,20 @@ macro_rules! saved_with_contacts {
 }
 
 saved_with_contacts!(PointCloud, (mass: R, inertia: R::Mat3, centre: R::Vec3), points,
-    |cloud| error::finite("centre of mass", cloud.centre.length(), " m"));
+    |cloud| error::finite("centre of mass", cloud.centre.length(), " m")
+        .and_then(|()| at_least_one("number of points", &cloud.points)));
 saved_with_contacts!(Solid, (distribution: MassProperties<R>), contacts,
-    |solid| solid.distribution.check());
+    |solid| solid.distribution.check()
+        .and_then(|()| at_least_one("number of contacts", &solid.contacts)));
+
+/// Checks that a body from a file has contacts, as its constructors require.
+fn at_least_one<R: Real, P: AsRef<[ContactPoint<R>]>>(
+    quantity: &'static str,
+    contacts: &P,
+) -> Result<(), SceneError> {
+    if contacts.as_ref().is_empty() {
+        Err(SceneError::new(quantity, Rule::AtLeast(1), 0.0, ""))
+    } else {
+        Ok(())
+    }
+}

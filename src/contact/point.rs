@@ -135,6 +135,7 @@ impl<R: Real> Contact<R> {
 
     /// Force of the ground on the body at this contact, normal and friction together, N.
     #[inline]
+    #[must_use]
     pub fn force<G, F>(&self, ground: &G, friction: &F) -> R::Vec3
     where
         G: SpringDamperGround<R>,
@@ -151,6 +152,7 @@ impl<R: Real> Contact<R> {
     ///
     /// It is 0 unless the friction law has rolling resistance.
     #[inline]
+    #[must_use]
     pub fn turning_torque<G, F>(
         &self,
         ground: &G,

@@ -46,6 +46,7 @@ where
     /// The sums equal those of [`visit`](Self::visit) except for rounding. The torque of bare
     /// points on a level plane is summed differently, in another fixed order.
     #[inline(always)]
+    #[must_use]
     pub fn load(&self, motion: &Motion<R>) -> Load<R> {
         let range = self.range_within(R::ZERO, motion.position, &motion.axes);
         self.load_on(range, motion)
@@ -55,6 +56,7 @@ where
     ///
     /// Use it to evaluate the same pose again with other velocities.
     #[inline(always)]
+    #[must_use]
     pub fn load_on(&self, range: ContactRange, motion: &Motion<R>) -> Load<R> {
         self.load_with_arms(range, motion, None)
     }

@@ -21,8 +21,8 @@ use crate::real::{Matrix, Real, Vector};
 /// - Contacts are finite, with radii of at least 0.
 /// - Neither contacts nor rims lie beyond the bounding radius, nor beyond `support` in any
 ///   direction.
-/// - `contacts_below` omits no contact, and `contacts_below_near` returns the same range. Neither
-///   does a range with the right [`range_ends`](crate::RigidPointBody::range_ends).
+/// - `contacts_below` omits no contact, and `contacts_below_near` returns the same range. A known
+///   range with the right [`range_ends`](crate::RigidPointBody::range_ends) omits none either.
 /// - `support_point` of a smooth body is the farthest point in its direction.
 /// - All results are the same at every call.
 ///

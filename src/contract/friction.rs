@@ -36,7 +36,6 @@ pub struct FrictionRange<R: Real = f64> {
 ///
 /// - If [`depends_on_position`](SlidingFriction::depends_on_position) is false, the force is the
 ///   same at every position.
-///
 /// - The force is finite, lies in the surface, and opposes the slip (`force · slip <= 0`).
 /// - The force is 0 without load and 0 without slip.
 /// - `rolling_resistance` is always `Some` or never. Its torques are at least 0, and 0 without

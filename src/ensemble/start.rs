@@ -53,7 +53,8 @@ pub enum RandomOrientation {
     Uniform,
     /// An axis of the body is tilted from the vertical.
     Tilted {
-        /// Axis in the body, which points up at a tilt of 0. Its length does not matter.
+        /// Axis in the body, which points up at a tilt of 0. Its length, between 1e-150 and 1e150,
+        /// does not matter.
         axis: Vec3,
         /// Angle between the axis and world z, rad. The axis is tilted about world y, towards
         /// world x.
@@ -71,14 +72,14 @@ pub enum RandomOrientation {
 pub enum RandomSpin {
     /// About an axis of the world.
     World {
-        /// Axis, world axes. Its length does not matter.
+        /// Axis, world axes. Its length, between 1e-150 and 1e150, does not matter.
         axis: Vec3,
         /// Angular velocity about the axis, rad/s.
         rate: Uniform,
     },
     /// About an axis of the body.
     Body {
-        /// Axis, body axes. Its length does not matter.
+        /// Axis, body axes. Its length, between 1e-150 and 1e150, does not matter.
         axis: Vec3,
         /// Angular velocity about the axis, rad/s.
         rate: Uniform,
@@ -152,7 +153,8 @@ pub struct RandomStart {
     pub spin: RandomSpin,
     /// Height of the centre of mass over the origin of the world, m.
     pub height: Uniform,
-    /// Direction of the velocity, world axes. Its length does not matter.
+    /// Direction of the velocity, world axes. Its length, between 1e-150 and 1e150, does not
+    /// matter.
     pub direction: Vec3,
     /// Speed along the direction, m/s.
     pub speed: Uniform,

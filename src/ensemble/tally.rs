@@ -389,7 +389,11 @@ mod saved {
             let mut first: Vec<u64> = counts().flat_map(|count| &count.first).copied().collect();
             first.sort_unstable();
             let is_once = first.windows(2).all(|pair| pair[0] < pair[1]);
-            require(is_once, "a toss is counted once")
+            require(is_once, "a toss is counted once")?;
+            let mut names: Vec<&str> = self.histograms.iter().map(|(name, _)| &**name).collect();
+            names.sort_unstable();
+            let differ = names.windows(2).all(|pair| pair[0] != pair[1]);
+            require(differ, "histograms have different names")
         }
     }
 }

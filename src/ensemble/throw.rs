@@ -93,7 +93,8 @@ where
 
     /// Returns the hash of the `Debug` texts of stepper and start, and of the time.
     ///
-    /// A closure has no such text. Use [`SceneHash::of_bytes`] with a description of it.
+    /// A closure has no such text, also within a [`FrictionField`](crate::FrictionField): two
+    /// functions would have the same hash. Use [`SceneHash::of_bytes`] with a description of it.
     #[must_use]
     pub fn scene_hash(&self) -> SceneHash
     where

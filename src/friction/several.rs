@@ -77,7 +77,7 @@ methods_of_one! {
 
 /// Checks that a law inside another law is one law, not several.
 ///
-/// The law around it would ask the first of them on every surface.
+/// The law around it would evaluate the first of them on every surface.
 pub(super) fn check_is_one<R: Real>(inner: &impl SlidingFriction<R>) -> Result<(), SceneError> {
     inner.surfaces().map_or(Ok(()), |count| {
         let quantity = "number of laws inside a friction law";
@@ -112,7 +112,7 @@ fn visit_part<R: Real, F: SlidingFriction<R>>(
 
 /// First resistance to rotation among the laws.
 ///
-/// It only tells whether any law has one.
+/// It only shows whether any law has one.
 fn first_resistance<R: Real, F: SlidingFriction<R> + ?Sized>(
     friction: &F,
     normal_force: R,

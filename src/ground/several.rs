@@ -111,16 +111,21 @@ fn check_part<R: Real, G: SpringDamperGround<R>>(part: &G) -> Result<(), SceneEr
         return Ok(());
     };
     let (speed, rate) = (motion.velocity.length(), motion.angular_velocity.length());
-    let (quantity, value, unit) = if speed > R::ZERO {
-        ("velocity of one surface among several", speed, " m/s")
+    zero("velocity of one surface among several", speed, " m/s")?;
+    zero(
+        "angular velocity of one surface among several",
+        rate,
+        " rad/s",
+    )
+}
+
+/// Checks that a value is 0.
+fn zero<R: Real>(quantity: &'static str, value: R, unit: &'static str) -> Result<(), SceneError> {
+    if value == R::ZERO {
+        Ok(())
     } else {
-        (
-            "angular velocity of one surface among several",
-            rate,
-            " rad/s",
-        )
-    };
-    Err(SceneError::new(quantity, Rule::Zero, value.to_f64(), unit))
+        Err(SceneError::new(quantity, Rule::Zero, value.to_f64(), unit))
+    }
 }
 
 /// Surface of a ground of several that is nearest to a point, or deepest above it.

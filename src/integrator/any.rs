@@ -184,6 +184,20 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
         }
     }
 
+    /// Keeps the workspace of the method in use, which is emptied in its place.
+    fn clear(&self, workspace: &mut Workspace<R>) {
+        workspace.near = ContactRange::NONE;
+        (workspace.pair, workspace.nystrom) = (None, None);
+        match (self, &mut workspace.implicit) {
+            (Self::EnergyMomentum(method), Some(own)) => method.clear(own),
+            (_, other) => *other = None,
+        }
+        match (self, &mut workspace.adaptive) {
+            (Self::AdaptiveEnergyMomentum(method), Some(own)) => method.clear(own),
+            (_, other) => *other = None,
+        }
+    }
+
     fn check(&self) -> Result<(), SceneError> {
         each!(self, method => method.check())
     }

@@ -7,8 +7,8 @@
 //!    the contacts that it may reach, and their mean forces along its path (`dual`, `answer`: the
 //!    unknowns of friction; `reversal`: friction that reverses along a rim; `lever`: contacts that
 //!    move over the body).
-//! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`block`, `level`:
-//!    its arithmetic; `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
+//! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`level`: its
+//!    arithmetic; `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
 //!    resistance to rolling and spinning, if the friction law has it). Only the residual of that
 //!    solution could increase the energy.
 //! 3. `end_velocity`, `resist`: end-velocity correction for steps that do not resolve friction or

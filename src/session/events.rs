@@ -199,6 +199,7 @@ where
     fn step_of_run(&mut self, end: &End<R>, clock: &mut Clock<R>) -> Result<Step<R>, StepError> {
         let limit = end.limit(clock);
         if let Some(length) = self.stepper.whole_step_at_rest(self.rest.step, limit) {
+            end.check_steps(clock)?;
             let step = Step::new(length, 0);
             clock.tick(&step)?;
             return Ok(step);

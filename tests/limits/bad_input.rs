@@ -209,7 +209,7 @@ fn every_solid_needs_lengths_above_zero() {
     refuses("z semi-axis of the ellipsoid", LENGTH, " m", |c| {
         Stepper::new(Ellipsoid::solid(1.0, DVec3::new(0.1, 0.1, c)))
     });
-    refuses("radius of the rim", LENGTH, " m", |radius| {
+    refuses("radius of the disc", LENGTH, " m", |radius| {
         Stepper::new(Disc::ring(1.0, radius, 120))
     });
     refuses("radius of the capsule", LENGTH, " m", |radius| {

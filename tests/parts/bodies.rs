@@ -530,6 +530,33 @@ macro_rules! saved_and_loaded {
 
 #[cfg(feature = "serde")]
 #[test]
+fn a_body_of_a_file_needs_contacts() {
+    fn emptied<B: serde::Serialize + serde::de::DeserializeOwned>(body: &B, list: &str) -> String {
+        let mut value = serde_json::to_value(body).unwrap();
+        value[list] = serde_json::json!([]);
+        serde_json::from_value::<B>(value)
+            .err()
+            .unwrap()
+            .to_string()
+    }
+    let cloud = PointCloud::new([DVec3::X, DVec3::Y, DVec3::Z], [1.0; 3]).unwrap();
+    let many = PointCloud::with_storage(cloud.contacts().to_vec(), &[1.0; 3]).unwrap();
+    let solid = Solid::new(
+        MassProperties::ball(1.0, 0.1).unwrap(),
+        vec![ContactPoint::default()],
+    );
+    for error in [
+        emptied(&many, "points"),
+        emptied(&solid.unwrap(), "contacts"),
+    ] {
+        assert!(error.contains("must be at least 1, got 0"), "{error}");
+    }
+    let far_too_many = r#"{"points":16777216,"mass":1.0,"radius":0.5,"shape":1.0}"#;
+    assert!(serde_json::from_str::<tumble::Coin>(far_too_many).is_err());
+}
+
+#[cfg(feature = "serde")]
+#[test]
 fn a_body_that_is_saved_and_loaded_has_the_same_bits_and_must_be_valid() {
     use tumble::{Coin, Disc, ThickDisc};
     let (mass, radius, edges) = (0.37, 0.123_456_789, DVec3::new(0.3, 0.1, 0.7));
@@ -643,12 +670,18 @@ fn a_rim_is_saved_and_a_skew_one_is_refused() {
     let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
     let axis = value.pointer("/axes/0").unwrap().clone();
     *value.pointer_mut("/axes/1").unwrap() = axis;
-    let skew: Rim = serde_json::from_value(value).unwrap();
+    let skew: Rim = serde_json::from_value(value.clone()).unwrap();
+    let error = skew.check().unwrap_err().to_string();
     assert!(
-        skew.check()
-            .unwrap_err()
-            .to_string()
-            .contains("axes of the rim")
+        error.contains("normal of the rim") && error.ends_with("got 0"),
+        "{error}"
+    );
+    *value.pointer_mut("/axes/1").unwrap() = serde_json::json!([0.0, 0.0, 0.5]);
+    let short: Rim = serde_json::from_value(value).unwrap();
+    let error = short.check().unwrap_err().to_string();
+    assert!(
+        error.contains("second axis of the rim") && error.ends_with("got 0.5"),
+        "{error}"
     );
 }
 

@@ -450,6 +450,41 @@ fn a_rolling_ball_goes_straight_on_when_the_table_stops() {
     assert!(off < 1e-4, "{off}");
 }
 
+/// A ball that spins with a turntable does not rotate relative to it: the longest stable step is
+/// that of a ball at rest on the ground at rest, whose spinning friction is strongest.
+#[test]
+fn the_longest_stable_step_on_a_turntable_is_that_of_the_rotation_relative_to_it() {
+    let friction = WithResistance {
+        friction: tumble::Frictionless,
+        rolling: 0.0,
+        spinning: 1e-2,
+        turn_speed: 1e-3,
+    };
+    let body = Sphere::solid(1.0, 0.05);
+    let (floor, rate) = (FlatGround::level(1e3, 0.0), 3.0);
+    let still = State::at(DVec3::Z * 0.045);
+    let inertia = 0.4 * 0.05 * 0.05;
+    let spinning = still.with_angular_momentum(DVec3::Z * (rate * inertia));
+    let limit = |ground: MovingGround<FlatGround>, state: &State| {
+        let stepper = Stepper::builder(body)
+            .ground(ground)
+            .friction(friction)
+            .integrator(tumble::Rk4 { time_step: 1e-6 })
+            .build()
+            .unwrap();
+        stepper.largest_stable_step(state).unwrap()
+    };
+    let table = |rate| MovingGround::turntable(floor, DVec3::ZERO, rate);
+    let expected = limit(table(0.0), &still);
+    let with_it = limit(table(rate), &spinning);
+    assert!(
+        (with_it / expected - 1.0).abs() < 1e-9,
+        "{with_it} s for {expected} s"
+    );
+    let across = limit(table(rate), &still);
+    assert!(across > 10.0 * expected, "{across} s");
+}
+
 /// A ring that lies in the middle of a turntable is turned with the torque μ m g r, so that its
 /// angular velocity is μ g/r t until it has that of the table.
 #[test]

@@ -77,6 +77,58 @@ fn a_ball_rests_in_a_groove_at_the_closed_form_depth() {
     });
 }
 
+/// The longest stable step is that under the law of the surface that the body touches, wherever it
+/// stands in the list. Here the resistance to rotation limits it: a ball that lies still has the
+/// damping rate `r N/(turn_speed J)`.
+#[test]
+fn the_longest_stable_step_is_that_of_the_law_below() {
+    let floor = plane(1e3, 0.0, DVec3::ZERO, DVec3::Z);
+    let wall = plane(1e3, 0.0, DVec3::X * -9.0, DVec3::X);
+    let law = |rolling| WithResistance {
+        friction: Frictionless,
+        rolling,
+        spinning: 0.0,
+        turn_speed: 1e-3,
+    };
+    let body = Sphere::solid(1.0, 0.05);
+    let state = State::at(DVec3::Z * 0.045);
+    let (strong, weak) = (law(1e-2), law(1e-6));
+    let limit = |ground: [FlatGround; 2], friction: [WithResistance<Frictionless>; 2]| {
+        let stepper = Stepper::builder(body)
+            .ground(ground)
+            .friction(friction)
+            .integrator(SymplecticEuler { time_step: 1e-6 })
+            .build()
+            .unwrap();
+        stepper.largest_stable_step(&state).unwrap()
+    };
+    let alone = |friction: WithResistance<Frictionless>| {
+        let stepper = Stepper::builder(body)
+            .ground(floor)
+            .friction(friction)
+            .integrator(SymplecticEuler { time_step: 1e-6 })
+            .build()
+            .unwrap();
+        stepper.largest_stable_step(&state).unwrap()
+    };
+    assert!(
+        alone(strong) < 0.1 * alone(weak),
+        "the resistance limits the step"
+    );
+    for (on_floor, on_wall) in [(strong, weak), (weak, strong)] {
+        let expected = alone(on_floor);
+        for limit in [
+            limit([floor, wall], [on_floor, on_wall]),
+            limit([wall, floor], [on_wall, on_floor]),
+        ] {
+            assert!(
+                (limit / expected - 1.0).abs() < 1e-9,
+                "{limit} s for {expected} s"
+            );
+        }
+    }
+}
+
 /// Two surfaces in the same place, each with half of the springs and dampers, are one surface.
 /// Coulomb's friction is proportional to the load, so its halves make the whole too.
 #[test]
@@ -756,6 +808,14 @@ fn wrong_numbers_and_moving_parts_are_refused() {
         .map(|_| ())
         .unwrap_err();
     assert_eq!((error.rule, error.value), (Rule::Zero, 1.0), "{error}");
+    let table = MovingGround::turntable(floor, DVec3::ZERO, f64::NAN);
+    let error = Stepper::builder(body).ground((floor, table)).build();
+    assert!(error.is_err(), "a rate that is not a number");
+    let still = MovingGround::conveyor(floor, DVec3::ZERO);
+    Stepper::builder(body)
+        .ground((floor, still))
+        .build()
+        .unwrap();
     let bent = floor.on(Plane {
         normal: DVec3::Z * 2.0,
         height: 0.0,

@@ -35,6 +35,24 @@ fn ball<I: Integrator>(ground: FlatGround, integrator: I) -> Stepper<'static, I>
         .unwrap()
 }
 
+/// A body at rest under a method that spans flights: the run is refused as that of `advance` is.
+#[test]
+fn a_run_with_events_of_a_body_at_rest_is_refused_if_it_would_not_end() {
+    let method = Flight(EnergyMomentum { time_step: 1e-3 });
+    let stepper = ball(FlatGround::level(100.0, 10.0), method);
+    let mut session = stepper.session(State::at(DVec3::Z * -0.009));
+    session.advance(20.0).unwrap();
+    let before = *session.state();
+    session.step().unwrap();
+    assert_eq!(*session.state(), before, "it rests");
+    let error = (session.run_with_events(1e20, [&Landing], |_| ControlFlow::Continue(()))).err();
+    assert!(
+        matches!(error, Some(StepError::TooManySteps { .. })),
+        "{error:?}"
+    );
+    assert_eq!(session.advance(1e20).err(), error);
+}
+
 /// All occurrences of a run from `start`, and how it ended.
 fn all<I: Integrator, const N: usize>(
     stepper: &Stepper<I>,

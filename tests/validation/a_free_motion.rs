@@ -211,7 +211,7 @@ static WOBBLE: Case = Case::new(
                 5e-7,
             ),
             figure("spin, rad/s", 3.863_703, rates.x, 5e-7),
-            figure("own turn in a period, rad", -3.034_545, turned, 5e-7),
+            figure("own rotation in a period, rad", -3.034_545, turned, 5e-7),
             figure("wobble to spin", 2.070_552, 8.0 / own_rate.abs(), 5e-7),
         ]
     },
@@ -532,7 +532,7 @@ fn the_free_turn_of_an_asymmetric_body_does_not_depend_on_the_step() {
 
 random! {
     /// Boxes of any sides and both kinds of turn, about the shortest and about the longest side.
-    ANY_ASYMMETRIC_TOP = new(60, "three moments, both kinds of turn");
+    ANY_ASYMMETRIC_TOP = new(60, "three moments, both kinds of rotation");
     fn asymmetric_bodies_of_all_kinds_turn_by_jacobis_functions(
         middle in 0.05..0.95_f64,
         thickness in 0.0..0.9_f64,

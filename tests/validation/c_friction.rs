@@ -92,7 +92,7 @@ static SLIDING_COIN: Case = Case::new("C1", "`v₀/μg`, `v₀²/2μg`", "Coulom
             stopped,
             2.0 * dt,
         ),
-        figure("way, m", 0.680_272, state.position.x, 0.32 * one_step),
+        figure("distance, m", 0.680_272, state.position.x, 0.32 * one_step),
     ]
 })
 .and(&[&ANY_SLIDE]);
@@ -229,7 +229,7 @@ impl Skid {
 
 static ROLLING_UP: Case = Case::new(
     "C2",
-    "`v = v₀/(1+β)`, way `(b - b²/2) v₀²/μg`, b = β/(1+β)",
+    "`v = v₀/(1+β)`, distance `(b - b²/2) v₀²/μg`, b = β/(1+β)",
     "Routh, Dynamics of a System of Rigid Bodies II (1905)",
     || {
         let (v0, eps) = (2.0, 1e-4);
@@ -263,13 +263,13 @@ static ROLLING_UP: Case = Case::new(
                     1e-9,
                 ),
                 figure(
-                    "way, v₀²/μg",
+                    "distance, v₀²/μg",
                     way,
                     slid / (v0 * v0 / (0.3 * 9.8)),
                     1.01 * longer,
                 ),
                 figure(
-                    "share of the energy lost",
+                    "fraction of the energy lost",
                     lost,
                     1.0 - energy(&end) / energy(&start),
                     1e-9,

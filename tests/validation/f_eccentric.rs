@@ -98,7 +98,7 @@ static JELLETT: Case = Case::new(
         // but the force there is small.
         let drift = drift_of_jellett(spinning_top(0.3, 100.0), 5.0, 5e-5);
         vec![figure(
-            "tippe top for 5 s: largest change, share of L r",
+            "tippe top for 5 s: largest change, fraction of L r",
             0.0,
             drift,
             3e-9,
@@ -376,7 +376,7 @@ random! {
 static ROLY_POLY: Case = Case::new(
     "F5",
     "rolling `T = 2π √((I + m (r - l)²)/(m g l))`, on ice `2π √(I/(m g l))`",
-    "small swings, e.g. Lamb, Dynamics (1914)",
+    "small oscillations, e.g. Lamb, Dynamics (1914)",
     || {
         // r = 0.1 m, l = 0.02 m, I = 0.3 m r².
         let (low, moment, first) = (0.02, 0.3, 0.05_f64);
@@ -452,7 +452,7 @@ random! {
 static EGG: Case = Case::new(
     "F6",
     "rolling `ω² = m g (ρ - c)/(I + m c²)`, on ice `m g (ρ - c)/I`, ρ = a²/c",
-    "small swings of a heavy ellipsoid, Routh (1905)",
+    "small oscillations of a heavy ellipsoid, Routh (1905)",
     || {
         let (a, c, first) = (0.1_f64, 0.06, 0.03_f64);
         let inertia = (a * a + c * c) / 5.0;

@@ -250,7 +250,7 @@ fn random_tosses(angle: f64) -> Figure {
         heads_again(angle, TAU * turns)
     });
     let heads = u32::try_from(heads.count()).unwrap();
-    let what = "tosses at that ψ: share of the same side";
+    let what = "tosses at that ψ: fraction of the same side";
     fraction(what, &test, heads, ("a half", 0.5))
 }
 
@@ -259,7 +259,7 @@ fn random_tosses(angle: f64) -> Figure {
 /// a half): as of coins that all wobble at ψ = 81.0°, or of any mixture with the same mean.
 static SAME_SIDE: Case = Case::new(
     "H3",
-    "share of the same side `1/2 + arcsin(cot² ψ)/π`; **not** the ψ of a hand",
+    "fraction of the same side `1/2 + arcsin(cot² ψ)/π`; **not** the ψ of a hand",
     "Diaconis, Holmes & Montgomery (2007); Bartoš et al., arXiv 2310.04153: 50.8 % of 350,757 tosses",
     || {
         // cot² ψ = sin(π 0.008).
@@ -273,7 +273,7 @@ static SAME_SIDE: Case = Case::new(
         let error = 0.5 / f64::from(350_757).sqrt();
         vec![
             figure("ψ whose tosses show what people's do: degrees", 81.0, angle.to_degrees(), 0.05),
-            figure("36,000 evenly spread tosses at that ψ: share of the same side", 0.508, share, 6.0 / f64::from(count)),
+            figure("36,000 evenly spread tosses at that ψ: fraction of the same side", 0.508, share, 6.0 / f64::from(count)),
             random_tosses(angle),
             figure("people's 0.008 in standard errors of their tosses", 9.5, 0.008 / error, 0.05),
         ]
@@ -458,7 +458,7 @@ static ON_EDGE: Case = Case::new(
         vec![
             // Half a unit of the last printed digit.
             figure(
-                "nickel, orientations with the weight over the edge: share",
+                "nickel, orientations with the weight over the edge: fraction",
                 0.0916,
                 share,
                 5e-5 + 1.0 / f64::from(count),

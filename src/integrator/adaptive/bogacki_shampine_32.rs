@@ -18,8 +18,8 @@ use super::method::adaptive_method;
 /// `tests/physics/adaptive.rs` prints the errors. After longer times the error depends on how the
 /// motion amplifies it (see the guide).
 ///
-/// *Torque-free rotation* of a body with three different moments of inertia is exact to rounding.
-/// Its error is no part of the estimate where no contact can come into reach.
+/// *Torque-free rotation* is exact to rounding. Its error is no part of the estimate where no
+/// contact can come into reach.
 ///
 /// *May add energy* by the size of its error.
 ///

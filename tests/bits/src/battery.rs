@@ -5,7 +5,7 @@
 //! works, lowest point.
 //!
 //! A second battery, [`driven`], holds the parts that can drive a body or vary over the ground:
-//! forces, ground that moves, friction by place, several surfaces, and events. Its rows follow
+//! forces, ground that moves, friction by position, several surfaces, and events. Its rows follow
 //! those of the first. A third one, [`rims`], holds bodies with several round rims. A fourth one,
 //! [`hard`], holds steps of a frame on ground so stiff that they do not resolve a bounce.
 //!
@@ -47,8 +47,9 @@ use tumble::{
 const RISC_V: bool = !IS_CORTEX_M;
 /// True if this processor runs the rows that are the share of the Cortex-M4F.
 const CORTEX_M: bool = !IS_RISC_V;
-/// True if this processor computes `f64` in a unit, and so runs the rows that would cost the others
-/// minutes: each integrator runs on one of those in the first battery, and each part in the second.
+/// True if this processor computes `f64` in a unit. It then runs the rows of `f64` too that would
+/// cost the others minutes. On those each integrator runs in another battery, and each part with
+/// another integrator.
 const HARDWARE: bool = RISC_V && CORTEX_M;
 const IS_RISC_V: bool = cfg!(all(target_os = "none", target_arch = "riscv32"));
 const IS_CORTEX_M: bool = cfg!(all(target_os = "none", target_arch = "arm"));
@@ -711,7 +712,7 @@ impl<R: Real> RigidPointBody<R> for Rims<R> {
 }
 
 /// All scenes of the second battery with one integrator, which is made from its time step (s):
-/// applied forces, ground that moves, friction by place, several surfaces, each with events.
+/// applied forces, ground that moves, friction by position, several surfaces, each with events.
 fn driven<R: Bits, I: Integrator<R>>(
     method: impl Fn(R) -> I,
     see: &mut dyn FnMut(&'static str, (u64, bool)),
