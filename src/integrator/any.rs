@@ -185,7 +185,7 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
     }
 
     /// Keeps the workspace of the method in use, which is emptied in its place.
-    fn clear(&self, workspace: &mut Workspace<R>) {
+    fn clear(&self, workspace: &mut Self::Workspace) {
         workspace.near = ContactRange::NONE;
         (workspace.pair, workspace.nystrom) = (None, None);
         match (self, &mut workspace.implicit) {
