@@ -528,6 +528,23 @@ macro_rules! saved_and_loaded {
     }};
 }
 
+#[test]
+fn a_hull_and_a_mesh_need_a_finite_mass() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let both = |mass| {
+        [
+            MassProperties::hull(mass, &corners),
+            MassProperties::mesh(mass, &corners, &faces),
+        ]
+    };
+    assert!(both(1.0).iter().all(Result::is_ok));
+    for error in [f64::NAN, f64::INFINITY].into_iter().flat_map(both) {
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("mass of a part must be finite"), "{error}");
+    }
+}
+
 #[cfg(feature = "serde")]
 #[test]
 fn a_body_of_a_file_needs_contacts() {
