@@ -1,6 +1,6 @@
 #!/bin/bash
-# Runs the examples for a few seconds of their time, in the ways that README and gallery name, and reads the files that they leave.
-# Those of the gallery check their own figures and fail where one is not what it should be.
+# Runs the examples coin and tosses for a few seconds of their time, in the ways that the README names, and reads the files that they leave.
+# The others run in .ci/gallery.sh and check their own figures; known_outcomes runs in .ci/figures.sh.
 set -euo pipefail
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
@@ -15,10 +15,6 @@ for method in energy-momentum report forward-euler symplectic-euler strang rk4; 
 done
 
 coin --quiet --all --duration 2 --out "$out/all"
-for example in heads_or_tails custom_body dice dice_tray tippe_top rising_egg eulers_disk slide_to_roll custom_ground sphere_with_spin tennis bounces choose_accuracy known_outcomes; do
-  cargo run -q --release --example "$example" -- --quick --out "$out/all"
-done
-# round_rim, accuracy and measured_tosses run in .ci/gallery.sh.
 
 # Tosses that are killed and resumed in other parts, on another number of threads, have the bytes of those that are not.
 cargo build -q --release --example tosses
@@ -50,7 +46,7 @@ done
 cmp "$out/whole/result.json" "$out/array/result.json"
 
 python3 .ci/read_pictures.py "$out/all" >"$out/list"
-echo "all trials and the gallery: $(wc -l <"$out/list") files"
+echo "all trials: $(wc -l <"$out/list") files"
 
 if coin --quiet --step=-1 --out "$out/bad" 2>"$out/message"; then
   echo "the example takes a step of -1 s"
