@@ -165,9 +165,9 @@
 //! | any of them in [`Flight`] | flight in closed form |
 //! | [`AnyIntegrator`] | a choice at run time |
 //!
-//! `Rk4` suits a body with a thousand points at a given error, `BogackiShampine32` suits tosses at a
-//! loose tolerance, and `SymplecticEuler` has the least cost of a step. `ForwardEuler` serves as a
-//! reference. [`guide::choosing`] starts from the problem, and [`guide::accuracy`] describes the
+//! `Rk4` suits a body with a thousand points at a given error, `BogackiShampine32` suits tosses at
+//! a loose tolerance, and `SymplecticEuler` has the least cost of a step. `ForwardEuler` serves as
+//! a reference. [`guide::choosing`] starts from the problem, and [`guide::accuracy`] describes the
 //! extremes.
 //!
 //! # Your own parts

@@ -82,6 +82,16 @@ fn a_ball_rests_in_a_groove_at_the_closed_form_depth() {
 /// damping rate `r N/(turn_speed J)`.
 #[test]
 fn the_longest_stable_step_is_that_of_the_law_below() {
+    fn limit(ground: impl SpringDamperGround, friction: impl SlidingFriction) -> f64 {
+        let stepper = Stepper::builder(Sphere::solid(1.0, 0.05))
+            .ground(ground)
+            .friction(friction)
+            .integrator(SymplecticEuler { time_step: 1e-6 })
+            .build()
+            .unwrap();
+        let state = State::at(DVec3::Z * 0.045);
+        stepper.largest_stable_step(&state).unwrap()
+    }
     let floor = plane(1e3, 0.0, DVec3::ZERO, DVec3::Z);
     let wall = plane(1e3, 0.0, DVec3::X * -9.0, DVec3::X);
     let law = |rolling| WithResistance {
@@ -90,27 +100,8 @@ fn the_longest_stable_step_is_that_of_the_law_below() {
         spinning: 0.0,
         turn_speed: 1e-3,
     };
-    let body = Sphere::solid(1.0, 0.05);
-    let state = State::at(DVec3::Z * 0.045);
     let (strong, weak) = (law(1e-2), law(1e-6));
-    let limit = |ground: [FlatGround; 2], friction: [WithResistance<Frictionless>; 2]| {
-        let stepper = Stepper::builder(body)
-            .ground(ground)
-            .friction(friction)
-            .integrator(SymplecticEuler { time_step: 1e-6 })
-            .build()
-            .unwrap();
-        stepper.largest_stable_step(&state).unwrap()
-    };
-    let alone = |friction: WithResistance<Frictionless>| {
-        let stepper = Stepper::builder(body)
-            .ground(floor)
-            .friction(friction)
-            .integrator(SymplecticEuler { time_step: 1e-6 })
-            .build()
-            .unwrap();
-        stepper.largest_stable_step(&state).unwrap()
-    };
+    let alone = |law: WithResistance<Frictionless>| limit(floor, law);
     assert!(
         alone(strong) < 0.1 * alone(weak),
         "the resistance limits the step"

@@ -820,7 +820,8 @@ fn slow_restitution(ratio: f64, speed: f64) -> Option<f64> {
 
 random! {
     /// Checks not only the limit, but the whole curve of the restitution over the impact's speed.
-    ANY_SLOW_BOUNCE = new(64, "ζ up to 3 and vω/g of 0.1 to 1e6: the damped oscillation about the loaded rest, until the force is 0");
+    ANY_SLOW_BOUNCE = new(64, "ζ up to 3 and vω/g of 0.1 to 1e6: the damped oscillation about \
+        the loaded rest, until the force is 0");
     fn bounces_at_any_speed_under_gravity_give_back_what_the_damped_swing_says(
         ratio in zero_or(1e-3, 3.0),
         speed in log_uniform(0.1, 1e6),

@@ -273,7 +273,12 @@ static SAME_SIDE: Case = Case::new(
         let error = 0.5 / f64::from(350_757).sqrt();
         vec![
             figure("ψ whose tosses show what people's do: degrees", 81.0, angle.to_degrees(), 0.05),
-            figure("36,000 evenly spread tosses at that ψ: fraction of the same side", 0.508, share, 6.0 / f64::from(count)),
+            figure(
+                "36,000 evenly spread tosses at that ψ: fraction of the same side",
+                0.508,
+                share,
+                6.0 / f64::from(count),
+            ),
             random_tosses(angle),
             figure("people's 0.008 in standard errors of their tosses", 9.5, 0.008 / error, 0.05),
         ]
