@@ -37,7 +37,7 @@ use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, turned_freely};
 use jacobian::Jacobian;
-use stages::{Equations, Increments, NODES, STAGES, WEIGHTS, differences};
+use stages::{Equations, Increments, NODES, STAGES, Solution, WEIGHTS, differences};
 
 /// Radau's implicit method of order 5 with a tolerance: for bodies that stick or roll at a small
 /// slip speed, and for stiff ground.
@@ -160,33 +160,55 @@ impl<R: Real> Formula<R, STAGES> for RadauIIA {
             let point = start.point.plus(increment, R::ONE);
             Place::under(scene, point, |motion| planned.load(motion)).slope
         };
-        let size_of = |point: &Point<R>| Errors::of(scene, point, &start.motion).total();
+        let size_of = |point: &Point<R>| size_of(planned, point);
         let targets = targets(settings, scene, &start.motion, jacobian.width);
         let solved = equations.increments(&start.slope, targets, slope_at, size_of);
         let attempt = solved.map(|solution| {
             report.iterations += solution.iterations;
-            let increments = &solution.increments;
-            let end = end_of(planned, increments);
-            let [first_slope, second_slope, _] = solution.slopes;
-            let slopes = [first_slope, second_slope, end.slope];
-            let [third, first] = differences(&start.slope, &slopes).map(|point| size_of(&point));
-            let share = (third / first).at_most(R::ONE);
-            let mut error = equations.error(increments, &start.slope, seconds);
-            let allowed = control::allowed(settings, scene, &start.motion);
-            if size_of(&error) * share > allowed {
-                // A stiff part of the estimate, damped once more.
-                error = equations.error(increments, &slope_at(&error), seconds);
-            }
-            Attempt {
-                end,
-                motions: increments.map(|z| start.point.plus(&z, R::ONE).motion(scene)),
-                difference: error.scaled(share),
-                left_out: left_out(&start.point, &end.point),
-            }
+            solved_step(settings, planned, &equations, &solution, slope_at)
         });
         report.evaluations += evaluations.get() + 1;
         attempt
     }
+}
+
+/// Returns the step that solves its equations, with the estimate of its error.
+fn solved_step<R: Real, D: Dynamics<R>>(
+    settings: &Settings<R>,
+    planned: &Planned<'_, R, D>,
+    equations: &Equations<'_, R>,
+    solution: &Solution<R>,
+    slope_at: impl Fn(&Point<R>) -> Point<R>,
+) -> Attempt<R, STAGES> {
+    let Planned {
+        scene,
+        start,
+        seconds,
+        ..
+    } = *planned;
+    let increments = &solution.increments;
+    let end = end_of(planned, increments);
+    let [first_slope, second_slope, _] = solution.slopes;
+    let slopes = [first_slope, second_slope, end.slope];
+    let [third, first] = differences(&start.slope, &slopes).map(|point| size_of(planned, &point));
+    let share = (third / first).at_most(R::ONE);
+    let mut error = equations.error(increments, &start.slope, seconds);
+    let allowed = control::allowed(settings, scene, &start.motion);
+    if size_of(planned, &error) * share > allowed {
+        // A stiff part of the estimate, damped once more.
+        error = equations.error(increments, &slope_at(&error), seconds);
+    }
+    Attempt {
+        end,
+        motions: increments.map(|z| start.point.plus(&z, R::ONE).motion(scene)),
+        difference: error.scaled(share),
+        left_out: left_out(&start.point, &end.point),
+    }
+}
+
+/// Size of a change of the state in a step, m.
+fn size_of<R: Real, D: Dynamics<R>>(planned: &Planned<'_, R, D>, change: &Point<R>) -> R {
+    Errors::of(planned.scene, change, &planned.start.motion).total()
 }
 
 /// Returns a step of flight, which is exact: a parabola and the torque-free rotation. Returns

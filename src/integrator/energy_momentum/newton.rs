@@ -99,6 +99,17 @@ const HARD: f64 = 64.0;
 /// random steps of the tests left a body in its place that a force could move.
 const HARDEST: f64 = 1e10;
 
+/// Derivatives from which a Newton step starts.
+#[derive(Clone, Copy, PartialEq)]
+enum Derivatives {
+    /// Those of the trial before, with which one more step is expected to reach rounding.
+    Known,
+    /// Those of the laws at the trial.
+    OfLaws,
+    /// Those at the trial, with the loads of hard contacts as unknowns.
+    ByLoads,
+}
+
 /// Newton's step from a set of unknowns.
 #[derive(Clone, Copy, Debug)]
 struct Base<R: Real> {
@@ -347,39 +358,26 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     ) -> bool {
         let problem = self.problem;
         let loads_agree = self.loads_agree(contacts);
-        let is_enough = self.is_enough(here) && loads_agree;
-        let is_by_loads = self.is_hard && !is_enough;
-        if is_by_loads {
-            hard::linearise(problem, contacts);
-            self.rolling = Rolling::at(problem, contacts, trial);
-        }
-        if !is_enough {
-            self.differentiate(is_by_loads, contacts, trial);
-        } else if !self.strain.of_step(problem).is_resolved() {
-            // A step that is resolved is resolved here too. For any other step, the strain is
-            // evaluated at its end.
-            self.strain = self.strain_at(contacts, trial);
-        }
+        let derivatives = self.choose_derivatives(here, loads_agree);
+        self.linearise(derivatives, contacts, trial);
         let is_resolved = self.strain.of_step(problem).is_resolved();
-        let mut residual = [here.force_residual, here.torque_residual];
-        if is_by_loads {
-            residual = self.residual_by_loads(contacts, trial);
-        }
+        let mut residual = match derivatives {
+            Derivatives::ByLoads => self.residual_by_loads(contacts, trial),
+            _ => [here.force_residual, here.torque_residual],
+        };
         let begins_in_stick = self.base.is_none() && !is_resolved && {
             let excess = self.excess(contacts, LinearFriction::OfMatrix);
             residual = without_excess(problem, residual, excess);
             excess != [R::Vec3::ZERO; 2]
         };
         let (mut shift, mut turn) = self.solved(residual, here.iterate.cayley);
-        if is_by_loads {
+        if derivatives == Derivatives::ByLoads {
             [shift, turn] = self.step_by_loads(here, contacts, [shift, turn]);
         }
         let by = Increment::of(shift, turn, here.iterate.cayley);
         let is_last = !begins_in_stick
             && loads_agree
-            && self.rolling().is_none_or(Rolling::is_exact)
-            && ((is_enough || self.is_close(here)) && self.is_small(here, shift, turn)
-                || self.is_close_in_stick(here, contacts, shift, turn))
+            && self.is_accurate(derivatives, here, contacts, [shift, turn])
             && !(self.is_hard && hard::touch_or_part(contacts, &by))
             && !(is_single::<R>() && is_resolved && self.may_end_a_slide(contacts, &by));
         change(problem, trial, &here.iterate, shift, turn);
@@ -389,6 +387,62 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         if !is_resolved && (begins_in_stick || is_last || is_without_rims) {
             contacts.advance(problem, &by);
         }
+        self.accept(here, shift, turn);
+        is_last
+    }
+
+    /// Chooses the derivatives from which Newton's step starts.
+    #[inline(always)]
+    fn choose_derivatives(&self, here: &Balance<R>, loads_agree: bool) -> Derivatives {
+        if self.is_enough(here) && loads_agree {
+            Derivatives::Known
+        } else if self.is_hard {
+            Derivatives::ByLoads
+        } else {
+            Derivatives::OfLaws
+        }
+    }
+
+    /// Computes the derivatives and the strain at a trial.
+    #[inline(always)]
+    fn linearise(
+        &mut self,
+        derivatives: Derivatives,
+        contacts: &mut Contacts<R>,
+        trial: &mut TrialStep<R>,
+    ) {
+        let problem = self.problem;
+        if derivatives == Derivatives::ByLoads {
+            hard::linearise(problem, contacts);
+            self.rolling = Rolling::at(problem, contacts, trial);
+        }
+        if derivatives != Derivatives::Known {
+            self.differentiate(derivatives, contacts, trial);
+        } else if !self.strain.of_step(problem).is_resolved() {
+            // A step that is resolved is resolved here too. For any other step, the strain is
+            // evaluated at its end.
+            self.strain = self.strain_at(contacts, trial);
+        }
+    }
+
+    /// Returns true if Newton's step reaches rounding with these derivatives.
+    #[inline(always)]
+    fn is_accurate(
+        &self,
+        derivatives: Derivatives,
+        here: &Balance<R>,
+        contacts: &Contacts<R>,
+        [shift, turn]: [R::Vec3; 2],
+    ) -> bool {
+        let is_near = || derivatives == Derivatives::Known || self.is_close(here);
+        self.rolling().is_none_or(Rolling::is_exact)
+            && (is_near() && self.is_small(here, shift, turn)
+                || self.is_close_in_stick(here, contacts, shift, turn))
+    }
+
+    /// Notes the trial as the last accepted one, from which Newton's step is taken as a whole.
+    #[inline(always)]
+    fn accept(&mut self, here: &Balance<R>, shift: R::Vec3, turn: R::Vec3) {
         self.share = R::ONE;
         self.base = Some(Base {
             iterate: here.iterate,
@@ -396,7 +450,6 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
             shift,
             turn,
         });
-        is_last
     }
 
     /// Resistance to rolling and spinning at the last trial, if the law has any. The law is asked,
@@ -487,7 +540,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     #[inline(always)]
     fn differentiate(
         &mut self,
-        is_by_loads: bool,
+        derivatives: Derivatives,
         contacts: &mut Contacts<R>,
         trial: &TrialStep<R>,
     ) {
@@ -498,7 +551,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let (others, equations) = (self.others.as_ref(), &mut self.matrix.equations);
         let known = (others, self.is_slow);
         self.strain = stiffness::equations(problem, contacts, known, trial, equations);
-        if problem.resists_turning() && !is_by_loads {
+        if problem.resists_turning() && derivatives == Derivatives::OfLaws {
             rolling::add_loads(problem, contacts, trial, equations);
         }
         self.matrix.factor(problem.bounding_radius);

@@ -174,12 +174,22 @@ pub(super) fn equations<R: Real, D: Dynamics<R>>(
     if let Some(others) = others {
         equations.plus(&others.equations);
     }
+    add_reversals(problem, contacts, equations);
+    strain
+}
+
+/// Adds the contacts whose slip reverses within the step.
+#[inline(always)]
+fn add_reversals<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+    equations: &mut SixBySix<R>,
+) {
     contacts.visit_reversals(problem, |reversal| {
         let resistance = reversal.direction * (reversal.coefficient * R::HALF);
         let block = Matrix3::outer(resistance, reversal.direction);
         equations.add_at(&block, reversal.arm, reversal.end_arm);
     });
-    strain
 }
 
 /// Adds a contact of any kind on any ground.

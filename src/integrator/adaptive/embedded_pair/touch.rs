@@ -95,13 +95,9 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             energy_gained: &energy_gained,
         };
         let added = after.without(before, contacts.len());
-        let mut touches = [false; 2];
-        for range in [before].into_iter().chain(added) {
-            for point in range.parts(contacts).into_iter().flatten() {
-                let pushes = step.add_contact(point, &mut discontinuities);
-                touches = [touches[0] || pushes[0], touches[1] || pushes[1]];
-            }
-        }
+        let near = ([before].into_iter().chain(added))
+            .flat_map(|range| range.parts(contacts).into_iter().flatten());
+        let touches = step.add_contacts(near, &mut discontinuities);
         if smooth + discontinuities.velocity <= allowed {
             step.add_brush(ends, touches, &mut discontinuities);
         }
@@ -125,7 +121,20 @@ pub(super) struct AttemptedStep<'a, R: Real, D> {
 }
 
 impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
-    /// Adds the errors of one contact. Returns whether it pushes at both ends of the step.
+    /// Adds the errors of contacts. Returns whether any of them pushes at each end of the step.
+    #[inline]
+    fn add_contacts<'c>(
+        &self,
+        points: impl Iterator<Item = &'c ContactPoint<R>>,
+        discontinuities: &mut Discontinuities<R>,
+    ) -> [bool; 2] {
+        points.fold([false; 2], |touches, point| {
+            let pushes = self.add_contact(point, discontinuities);
+            [touches[0] || pushes[0], touches[1] || pushes[1]]
+        })
+    }
+
+    /// Adds the errors of one contact. Returns whether it pushes at each end of the step.
     #[inline]
     fn add_contact(
         &self,

@@ -190,17 +190,9 @@ fn by_motion<R: Real, D: Dynamics<R>>(
     contact: &Contact<R>,
     noise: R,
 ) -> ([Matrix3<R>; 2], R) {
-    let (ground, friction) = contact.laws(scene.ground(), scene.friction());
+    let (_, friction) = contact.laws(scene.ground(), scene.friction());
     let (n, slip) = (contact.normal, contact.slip_velocity);
-    let (depth, speed) = (contact.depth, contact.closing_speed);
-    let nudge = R::EPSILON.sqrt();
-    let push = |depth, speed| ground.normal_force(depth, speed);
-    let load = push(depth, speed);
-    let deeper = depth * nudge;
-    let stiffness = (push(depth + deeper, speed) - load) / deeper;
-    // The unit of speed: the size of the body in a second. A point has none.
-    let faster = (speed.abs() + size(scene) + depth) * nudge;
-    let damping = (push(depth, speed + faster) - load) / faster;
+    let (load, [stiffness, damping]) = normal_force(scene, contact);
     let length = slip.length();
     // The direction of a slip below its rounding is not known. Friction is then a damper that
     // reaches its limit at the rounding, so that the iteration ends there.
@@ -210,27 +202,20 @@ fn by_motion<R: Real, D: Dynamics<R>>(
     } else {
         slip * (noise / length)
     };
-    let jacobian = friction.jacobian_at(contact.position, load, known_slip);
+    let mut jacobian = friction.jacobian_at(contact.position, load, known_slip);
+    if !is_known {
+        jacobian.growth = R::ZERO;
+    }
     let metric = Metric::of(&friction, contact.position, known_slip);
     let along = metric.map_or(slip, |metric| metric.along_friction(slip));
     let loaded = n - along * jacobian.per_load;
     let pushed = Matrix3::outer(loaded, n).scaled(-contact.weight);
     let in_surface = match metric {
         Some(metric) => {
-            let growth = if is_known { jacobian.growth } else { R::ZERO };
-            let [x, y, z] = metric.derivative(&FrictionJacobian { growth, ..jacobian }, known_slip);
+            let [x, y, z] = metric.derivative(&jacobian, known_slip);
             Matrix3 { x, y, z }
         }
-        None => {
-            let weakening = if is_known && length > R::ZERO {
-                jacobian.growth / (length * jacobian.width)
-            } else {
-                R::ZERO
-            };
-            Matrix3::diagonal(R::ONE)
-                .plus(&Matrix3::outer(-n, n))
-                .plus(&Matrix3::outer(slip * -weakening, slip))
-        }
+        None => along_surface(n, slip, &jacobian),
     };
     let in_surface = in_surface.scaled(-(jacobian.coefficient * contact.weight));
     let by_path = pushed.scaled(stiffness);
@@ -241,6 +226,40 @@ fn by_motion<R: Real, D: Dynamics<R>>(
         R::MAX
     };
     ([by_path, by_velocity], width)
+}
+
+/// Normal force of a contact (N), and its derivatives with respect to depth (N/m) and closing speed
+/// (N s/m).
+fn normal_force<R: Real, D: Dynamics<R>>(scene: &D, contact: &Contact<R>) -> (R, [R; 2]) {
+    let (ground, _) = contact.laws(scene.ground(), scene.friction());
+    let (depth, speed) = (contact.depth, contact.closing_speed);
+    let nudge = R::EPSILON.sqrt();
+    let push = |depth, speed| ground.normal_force(depth, speed);
+    let load = push(depth, speed);
+    let deeper = depth * nudge;
+    let stiffness = (push(depth + deeper, speed) - load) / deeper;
+    // The unit of speed: the size of the body in a second. A point has none.
+    let faster = (speed.abs() + size(scene) + depth) * nudge;
+    let damping = (push(depth, speed + faster) - load) / faster;
+    (load, [stiffness, damping])
+}
+
+/// Derivative of the direction of isotropic friction with respect to the slip, in units of its
+/// coefficient.
+fn along_surface<R: Real>(
+    normal: R::Vec3,
+    slip: R::Vec3,
+    jacobian: &FrictionJacobian<R>,
+) -> Matrix3<R> {
+    let length = slip.length();
+    let weakening = if length > R::ZERO && jacobian.growth > R::ZERO {
+        jacobian.growth / (length * jacobian.width)
+    } else {
+        R::ZERO
+    };
+    Matrix3::diagonal(R::ONE)
+        .plus(&Matrix3::outer(-normal, normal))
+        .plus(&Matrix3::outer(slip * -weakening, slip))
 }
 
 /// Derivative of the torque of rolling resistance with respect to the angular velocity.
