@@ -11,6 +11,7 @@ mod flight_rounding;
 mod free_error;
 mod interface;
 mod lanes;
+mod linear;
 mod matrix3;
 mod point;
 

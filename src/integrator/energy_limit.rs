@@ -2,13 +2,16 @@
 //!
 //! A step that cannot satisfy this is not taken.
 
+mod equilibrium;
+
 use crate::energy::{Dissipation, Energy};
 use crate::ground::SpringDamperGround;
-use crate::integrator::flight_rounding;
+use crate::integrator::flight_rounding::{self, holds_both_ways};
 use crate::integrator::interface::Step;
 use crate::real::{Quaternion, Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::State;
+use equilibrium::Descent;
 
 /// Units in the last place, of the sum of the absolute values of all energies, that count as its
 /// rounding.
@@ -47,7 +50,8 @@ impl<R: Real> Touched<R> {
 /// energy removed. Special cases:
 ///
 /// - A body in contact is at rest if its kinetic energy, before and after, is below the rounding of
-///   the total. It stops where it was.
+///   the total. It stops where it was. In single precision a body at a turning point has as little;
+///   it moves on, a little further downhill.
 /// - In flight such a body keeps its old velocity.
 /// - If a step is too short to change the height of an unsupported body, the body falls by two
 ///   units in the last place. Otherwise it would hover.
@@ -61,8 +65,7 @@ pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     let work = contact.work_of_ground(scene);
     let ceiling = energy.total() + work;
     let excess = after.total() - ceiling;
-    let is_kept =
-        excess == R::ZERO || (excess < R::ZERO && !flight_rounding::holds_both_ways::<R>());
+    let is_kept = excess == R::ZERO || (excess < R::ZERO && !holds_both_ways::<R>());
     // The exact step has the energy of the start. Rounding of the penetration depths of hard
     // springs is therefore compensated in both directions, whatever its size. A compensation that
     // only removes energy would remove a part of it in each bounce.
@@ -70,7 +73,7 @@ pub(in crate::integrator) fn hold<R: Real, D: Dynamics<R>>(
     // In flight the potential energy may be rounded more than its sum shows, where gravity is
     // almost perpendicular to the position. The search limits itself to what is rounding.
     let is_flight = contact.touching == 0 && energy.springs == R::ZERO;
-    let is_exact = flight_rounding::holds_both_ways::<R>() && (contact.is_lossless || is_flight);
+    let is_exact = holds_both_ways::<R>() && (contact.is_lossless || is_flight);
     if !is_kept && !is_driven && (is_exact || excess.abs() <= rounding_of(energy, after)) {
         if let Some(rounded) = without_rounding(scene, (state, energy), (end, after), contact) {
             (*state, *energy) = rounded;
@@ -93,7 +96,7 @@ fn without_rounding<R: Real, D: Dynamics<R>>(
     (end, after): (&State<R>, &Energy<R>),
     contact: Touched<R>,
 ) -> Option<(State<R>, Energy<R>)> {
-    let both_ways = flight_rounding::holds_both_ways::<R>();
+    let both_ways = holds_both_ways::<R>();
     let has_pushed = both_ways && contact.is_lossless;
     if contact.touching == 0 && before.springs == R::ZERO && !has_pushed {
         return flight_rounding::rounded(scene, (start, before), (end, after));
@@ -142,7 +145,7 @@ fn hold_down<R: Real, D: Dynamics<R>>(
         return false;
     }
     let other = if touching > 0 {
-        Some(stopped((state, energy)))
+        turned(scene, ceiling, (end, after)).or_else(|| Some(stopped((state, energy))))
     } else {
         without_gain(state, end)
             .map(|state| (state, Energy::of(scene, &state)))
@@ -154,6 +157,31 @@ fn hold_down<R: Real, D: Dynamics<R>>(
         (*state, *energy) = other;
     }
     true
+}
+
+/// Returns the end of a step at a turning point in contact, a little further downhill, where its
+/// energy is at most `ceiling` (J).
+///
+/// In double precision the end has less than one unit of energy too much only in steps that are
+/// shorter than any of use.
+fn turned<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    ceiling: R,
+    (end, after): (&State<R>, &Energy<R>),
+) -> Option<(State<R>, Energy<R>)> {
+    descent(scene, end, rounding_of(after, after))
+        .and_then(|descent| descent.lowered(scene, ceiling, (end, after)))
+}
+
+/// Returns how a slow body in contact leaves its pose, or `None` if it stays.
+fn descent<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    state: &State<R>,
+    rounding: R,
+) -> Option<Descent<R>> {
+    (holds_both_ways::<R>())
+        .then(|| Descent::of(scene, state, rounding))
+        .flatten()
 }
 
 /// Returns true if the end of a step has gained more than a quarter of the energy that the step can
@@ -281,11 +309,12 @@ pub(in crate::integrator) fn scaled_down<R: Real, D: Dynamics<R>>(
 
 /// Returns true if a step shows that a body in contact is at rest.
 ///
-/// Four conditions hold for rest:
+/// Five conditions hold for rest:
 /// - The body moves by less than the resolution of its numbers.
 /// - Its kinetic energy is below the rounding of the total energy.
 /// - Its velocity decays, or is what rounding leaves of balanced forces.
 /// - The contacts support it.
+/// - In single precision: it is at no turning point of its motion ([`equilibrium`]).
 ///
 /// If a force sets a body in motion, the body gains more velocity than that in any step, however
 /// short.
@@ -328,7 +357,9 @@ pub(in crate::integrator) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     let balanced = end.linear_velocity.length() * mass <= impulse
         && end.angular_momentum.length() <= impulse * bounding_radius;
     let is_dying_out = last <= first && first > R::ZERO;
-    (is_dying_out || balanced) && is_supported(scene, end)
+    (is_dying_out || balanced)
+        && is_supported(scene, end)
+        && descent(scene, end, rounding_of(before, after)).is_none()
 }
 
 /// Returns the rounding error of the sum of the terms of two energies, J.

@@ -7,8 +7,8 @@
 //!    the contacts that it may reach, and their mean forces along its path (`dual`, `answer`: the
 //!    unknowns of friction; `reversal`: friction that reverses along a rim; `lever`: contacts that
 //!    move over the body).
-//! 2. `newton`, `balance`, `stiffness`, `linear`: the solution of the equations (`level`: its
-//!    arithmetic; `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
+//! 2. `newton`, `balance`, `stiffness`: the solution of the equations (`level`: its arithmetic;
+//!    `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
 //!    resistance to rolling and spinning, if the friction law has it). Only the residual of that
 //!    solution could increase the energy.
 //! 3. `end_velocity`, `resist`: end-velocity correction for steps that do not resolve friction or
@@ -36,7 +36,6 @@ mod gather;
 mod hard;
 mod level;
 mod lever;
-mod linear;
 mod newton;
 mod panels;
 mod problem;
@@ -67,7 +66,6 @@ pub(in crate::integrator) use applied::close_account;
 use contacts::Contacts;
 use energy_limit::Touched;
 use gather::gather;
-pub(in crate::integrator) use linear::{Factored, SixBySix};
 use panels::FOR_RIMS;
 use problem::Problem;
 pub(in crate::integrator) use problem::unit_of_gap;
@@ -165,10 +163,12 @@ pub use workspace::Workspace;
 /// - *Flight* in tilted gravity: rounding changes the velocity across gravity at random, most in
 ///   weak gravity. In 10 s at steps of 1 ms it is by at most 5e-5 of the speed a second, from 1e-3
 ///   m/s² on.
-/// - *Slow motion in contact*, as of a body that rocks or that rolls up a slope: at steps below
-///   `√(128 ε E/m)/a`, with the energy `E` and the acceleration `a` at a turning point, the body
-///   can stop there for good. For `E/m = 2.5 J/kg` and `a = 0.4 m/s²` this is 15 ms
-///   ([`guide::accuracy`](crate::guide::accuracy)). [`Radau5`](crate::Radau5) has no such limit.
+/// - *Slow motion in contact*, as of a body that rocks or that rolls up a slope: rounding takes up
+///   to `ε (m g r + m v²/2)` a step, with the distance r of the body's farthest point from the
+///   origin, where the step resolves the contact. A swing ends after as many steps as its energy
+///   has such units. So take no shorter steps than the motion needs, and an origin near the ground.
+///   A swing with less than 128 units, at `0.1 √(g/size)`, ends at once; a faster one has a smaller
+///   bound.
 /// - *Resistance to rolling and spinning* is linear where the angular speed and the turn speed
 ///   together are below 5e-4 of the body's angular speed, or below 8e-6 of the one that the weight
 ///   gives it in a step (`f64`: 1e-12 and 1.4e-14).

@@ -34,6 +34,7 @@ mod step_at_rest;
 mod stick_on_slopes;
 mod symmetry;
 mod time;
+mod turning_points;
 mod until_rest;
 
 // How accurate they are.

@@ -19,7 +19,6 @@
 //! A passive force has `W · u <= 0`, so its kinetic energy never increases. The work of a drive is
 //! `h/2 (P₁ + P₂)`, with its powers at the stages.
 
-use super::linear::SixBySix;
 use super::problem::{Problem, TrialStep};
 use super::shared::seen;
 use crate::energy::Energy;
@@ -27,6 +26,7 @@ use crate::error::StepError;
 use crate::force::{Force, Wrench};
 use crate::integrator::energy_limit;
 use crate::integrator::interface::Step;
+use crate::integrator::linear::SixBySix;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 use crate::state::{Motion, State};

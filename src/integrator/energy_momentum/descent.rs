@@ -22,12 +22,12 @@
 //! Contacts that carry the weight leave T within rounding, and the search is left out. On a ridge
 //! the bound on `U` does not hold, and a body that is balanced there stays.
 
-use super::linear::SixBySix;
 use super::shared::{motion_of, visit_contacts};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
+use crate::integrator::linear::SixBySix;
 use crate::integrator::matrix3::Matrix3;
 use crate::integrator::{Step, energy_limit};
 use crate::real::{Real, Vector};

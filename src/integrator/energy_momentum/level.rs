@@ -14,7 +14,7 @@
 //! The torque has the columns `r × (xⱼ, yⱼ, zⱼ)`, where r is the lever arm. Numbers are stored in
 //! pairs that a processor computes together. Signs, and the sums of a pair, are applied at the end.
 
-use super::linear::SixBySix;
+use crate::integrator::linear::SixBySix;
 use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 

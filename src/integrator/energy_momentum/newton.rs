@@ -56,13 +56,13 @@ use super::balance::{
 use super::contacts::Contacts;
 use super::end_velocity::Strain;
 use super::hard;
-use super::linear::Factored;
 use super::problem::{Forces, Problem, TrialStep};
 use super::rolling::{self, Rolling};
 use super::stiffness::{self, Others};
 use super::touch::{Increment, Push};
 use crate::body::RigidPointBody;
 use crate::integrator::Step;
+use crate::integrator::linear::Factored;
 use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;
 

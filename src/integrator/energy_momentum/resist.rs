@@ -16,9 +16,9 @@
 //! decreases, so the kinetic energy increases by at most the work of the ground
 //! ([`work`](super::work)).
 
-use super::linear::SixBySix;
 use super::shared::{motion_of, seen};
 use crate::contact::Motion;
+use crate::integrator::linear::SixBySix;
 use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;

@@ -35,10 +35,10 @@
 
 use super::contacts::Contacts;
 use super::end_velocity::share_of;
-use super::linear::{Factored, SixBySix};
 use super::problem::{Problem, TrialStep};
 use super::resistances::{Group, Resistances};
 use super::touch::Touch;
+use crate::integrator::linear::{Factored, SixBySix};
 use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;

@@ -18,8 +18,8 @@
 use crate::contact::{Contact, Motion};
 use crate::friction::SlidingFriction;
 use crate::ground::SpringDamperGround;
-use crate::integrator::energy_momentum::{Factored, SixBySix};
 use crate::integrator::explicit::Stage;
+use crate::integrator::linear::{Factored, SixBySix};
 use crate::integrator::matrix3::Matrix3;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};

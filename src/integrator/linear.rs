@@ -8,11 +8,11 @@ use crate::real::{Real, Vector};
 /// a rotation.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrator) struct SixBySix<R: Real> {
-    pub(super) rows: [[R; 6]; 6],
+    pub(in crate::integrator) rows: [[R; 6]; 6],
 }
 
 impl<R: Real> SixBySix<R> {
-    pub(super) const ZERO: Self = Self {
+    pub(in crate::integrator) const ZERO: Self = Self {
         rows: [[R::ZERO; 6]; 6],
     };
 
@@ -48,7 +48,7 @@ impl<R: Real> SixBySix<R> {
 
     /// Adds a force on level ground that depends linearly on the path of the point `place` where it
     /// acts: by `along` on the horizontal path, by `across` on the vertical one.
-    pub(super) fn add_on_level(&mut self, [along, across]: [R; 2], place: R::Vec3) {
+    pub(in crate::integrator) fn add_on_level(&mut self, [along, across]: [R; 2], place: R::Vec3) {
         let (x, y, z) = (place.x(), place.y(), place.z());
         let (ax, ay, az) = (along * x, along * y, along * z);
         let (cx, cy) = (across * x, across * y);
@@ -68,7 +68,12 @@ impl<R: Real> SixBySix<R> {
     /// Adds a force at `arm`, given by the rows of its derivatives with respect to the shift and to
     /// the rotation.
     #[inline(always)]
-    pub(super) fn add(&mut self, shift: [R::Vec3; 3], turn: [R::Vec3; 3], arm: R::Vec3) {
+    pub(in crate::integrator) fn add(
+        &mut self,
+        shift: [R::Vec3; 3],
+        turn: [R::Vec3; 3],
+        arm: R::Vec3,
+    ) {
         let row = |s: R::Vec3, t: R::Vec3| [s.x(), s.y(), s.z(), t.x(), t.y(), t.z()];
         let [x, y, z] = [
             row(shift[0], turn[0]),
@@ -89,7 +94,7 @@ impl<R: Real> SixBySix<R> {
     /// Adds the torque of a force whose lever arm a rotation moves by `ϑ × place`:
     /// `(ϑ × place) × force`.
     #[inline(always)]
-    pub(super) fn add_rotation(&mut self, place: R::Vec3, force: R::Vec3) {
+    pub(in crate::integrator) fn add_rotation(&mut self, place: R::Vec3, force: R::Vec3) {
         let along = force.dot(place);
         let [_, _, _, x, y, z] = &mut self.rows;
         let by = |row: &mut [R; 6], arm: R| {
@@ -108,7 +113,7 @@ impl<R: Real> SixBySix<R> {
     /// Adds other equations of the same unknowns.
     #[cold]
     #[inline(never)]
-    pub(super) fn plus(&mut self, other: &Self) {
+    pub(in crate::integrator) fn plus(&mut self, other: &Self) {
         for (row, more) in self.rows.iter_mut().zip(&other.rows) {
             for (entry, more) in row.iter_mut().zip(more) {
                 *entry += *more;
@@ -117,7 +122,7 @@ impl<R: Real> SixBySix<R> {
     }
 
     /// Adds a torque that depends only on the rotation.
-    pub(super) fn add_turning(&mut self, block: &Matrix3<R>) {
+    pub(in crate::integrator) fn add_turning(&mut self, block: &Matrix3<R>) {
         let [_, _, _, rows @ ..] = &mut self.rows;
         for (row, more) in rows.iter_mut().zip(block.rows()) {
             row[3] += more.x();
@@ -128,7 +133,12 @@ impl<R: Real> SixBySix<R> {
 
     /// Adds a torque that depends on the path of the point `place` along `normal`:
     /// `torque (normal · (ξ + ϑ × place))`.
-    pub(super) fn add_torque(&mut self, torque: R::Vec3, normal: R::Vec3, place: R::Vec3) {
+    pub(in crate::integrator) fn add_torque(
+        &mut self,
+        torque: R::Vec3,
+        normal: R::Vec3,
+        place: R::Vec3,
+    ) {
         let turn = place.cross(normal);
         let [_, _, _, rows @ ..] = &mut self.rows;
         let torques = [torque.x(), torque.y(), torque.z()];
@@ -148,7 +158,7 @@ impl<R: Real> SixBySix<R> {
 
     /// Returns the equations without the dependence of the force on the rotation and of the torque
     /// on the shift.
-    pub(super) fn uncoupled(&self) -> Self {
+    pub(in crate::integrator) fn uncoupled(&self) -> Self {
         let mut rows = self.rows;
         for (i, row) in rows.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
@@ -161,7 +171,12 @@ impl<R: Real> SixBySix<R> {
     }
 
     /// Solves for the shift and the rotation caused by a force and a torque.
-    pub(super) fn solve(&self, force: R::Vec3, torque: R::Vec3, length: R) -> (R::Vec3, R::Vec3) {
+    pub(in crate::integrator) fn solve(
+        &self,
+        force: R::Vec3,
+        torque: R::Vec3,
+        length: R,
+    ) -> (R::Vec3, R::Vec3) {
         Factored::of(*self, length).solve(force, torque, length)
     }
 
@@ -221,7 +236,7 @@ impl<R: Real> SixBySix<R> {
 /// Six equations with their factors.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrator) struct Factored<R: Real> {
-    pub(super) equations: SixBySix<R>,
+    pub(in crate::integrator) equations: SixBySix<R>,
     factors: Factors<R>,
 }
 
@@ -236,14 +251,14 @@ impl<R: Real> Factored<R> {
         factored
     }
 
-    pub(super) const NONE: Self = Self {
+    pub(in crate::integrator) const NONE: Self = Self {
         equations: SixBySix::ZERO,
         factors: Factors::NONE,
     };
 
     /// Computes the factors of the equations.
     #[inline]
-    pub(super) fn factor(&mut self, length: R) {
+    pub(in crate::integrator) fn factor(&mut self, length: R) {
         self.equations.factor(length, &mut self.factors);
     }
 
