@@ -17,16 +17,16 @@ PROGRAMS = pathlib.Path(sys.argv[1]).resolve()
 # Options whose value is a path: any text is valid.
 PATHS = {"--out", "--data", "--readme-picture"}
 NOT_VALUES = ["", "x", "nan", "1e400", b"\xff"]
-# Numbers with which a program would not end in a lifetime, or only by exhausting the machine.
+# Numbers with which a program would not end in a lifetime, or only by exhausting the machine, has nothing to measure, or compares other tables.
 BEYOND = {
     "coin": [["--duration", "1e19"], ["--step", "1e-300"], ["--points", "10000000000"], ["--all", "--duration", "1e19"]],
     "choose_accuracy": [
         ["--seconds", "1e19"], ["--points", "10000000000"], ["--stiffness", "1e19"], ["--slip-speed", "1e-300"],
         ["--error", "1e19"], ["--error", "0"],
     ],
-    "known_outcomes": [["--percent", "10000000000"]],
+    "known_outcomes": [["--percent", "10000000000"], ["--check", "--percent", "50"]],
     "tennis": [["--friction", "1e19"], ["--restitution", "1e19"]],
-    "tosses": [["--to", "10000000000000000000"], ["--to", "2000000", "--part", "1"], ["--threads", "10000000000"]],
+    "tosses": [["--to", "10000000000000000000"], ["--to", "2000000", "--part", "1"], ["--threads", "10000000000"], ["--cost", "--to", "0"]],
 }
 COLUMNS = "toss,sample,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n"
 TABLES = {

@@ -23,7 +23,10 @@ tosses=("${CARGO_TARGET_DIR:-target}/release/examples/tosses" --to 2000)
 "${tosses[@]}" --out "$out/whole" --part 2000 --threads 1
 "${tosses[@]}" --out "$out/killed" --part 7 >/dev/null &
 killed=$!
-until [ "$(find "$out/killed" -name '*.part.json' 2>/dev/null | wc -l)" -ge 5 ]; do sleep 0.01; done
+until [ "$(find "$out/killed" -name '*.part.json' 2>/dev/null | wc -l)" -ge 5 ]; do
+  kill -0 "$killed" 2>/dev/null || { echo "the tosses have ended before the kill"; exit 1; }
+  sleep 0.01
+done
 kill -9 "$killed"
 wait "$killed" 2>/dev/null || true
 before=$(find "$out/killed" -name '*.part.json' | wc -l)

@@ -1,9 +1,12 @@
 #!/bin/bash
 # Tosses on a HyperQueue server with two workers, killed in the middle and started again, have the bytes of one process.
-# Installs HyperQueue into a temporary folder. Where it cannot be had, it says so and checks nothing.
+# Installs HyperQueue into a temporary folder, and Debian's python3-venv if it is missing. Where it cannot be had, it says so and checks nothing.
 set -euo pipefail
+. .ci/debian.sh
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+# What Debian leaves out of its package python3.
+python3 -c 'import ensurepip' 2>/dev/null || debian_install python3-venv >"$work/apt.log" 2>&1 || cat "$work/apt.log"
 if ! { python3 -m venv "$work/python" && "$work/python/bin/pip" install -q --disable-pip-version-check hyperqueue==0.27.0; }; then
   echo "NOT CHECKED: HyperQueue cannot be installed on this machine"
   exit 0

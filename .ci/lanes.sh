@@ -17,13 +17,20 @@ build() { # build PROCESSOR: the program
   RUSTFLAGS="$flags" cargo bench --quiet --bench lanes --no-run --message-format=json --target-dir "$folder" |
     sed -n 's/.*"name":"lanes".*"executable":"\([^"]*\)".*/\1/p'
 }
-count() { # count PROGRAM INTEGRATOR SCENE HOW STEPS: instructions of the whole program
-  valgrind --tool=callgrind --callgrind-out-file=/dev/null "$@" 2>&1 | sed -n 's/.*Collected : \([0-9]*\).*/\1/p'
+count() { # count PROGRAM INTEGRATOR SCENE HOW STEPS: instructions of the whole program; nothing if it fails
+  local said
+  said=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null "$@" 2>&1) || { echo "$said" >&2; return 1; }
+  sed -n 's/.*Collected : \([0-9]*\).*/\1/p' <<<"$said"
 }
 per_step() { # per_step PROGRAM INTEGRATOR SCENE HOW: instructions of a step of a state
-  local fewer more
-  read -r fewer more < <(paste -d ' ' <(count "$@" "$few") <(count "$@" "$many"))
-  echo $(((more - fewer) / (8 * (many - few))))
+  local fewer more each
+  read -r fewer more < <(paste -d ' ' <(count "$@" "$few") <(count "$@" "$many")) || true
+  each=$(((${more:-0} - ${fewer:-0}) / (8 * (many - few))))
+  if [ "$each" -le 0 ]; then
+    echo "lanes: ${*:2}, $1: a count must increase with the steps, got '$fewer' for $few and '$more' for $many" >&2
+    return 1
+  fi
+  echo "$each"
 }
 rows() {
   for integrator in SymplecticEuler StrangSplitting Rk4 Nystrom; do
@@ -49,10 +56,11 @@ for processor in $builds; do program[$processor]=$(build "$processor"); done
 counts() { # counts [--update]: a line for each row and build; with the times, the least of 30 runs
   while read -r integrator scene; do
     for processor in $builds; do
-      local run=("${program[$processor]}" "$integrator" "$scene") times=
-      [ "${1-}" != --update ] || times=$("${run[@]}" time 1000)
-      printf '%-16s %-9s %-10s %6d %6d %s\n' "$integrator" "$scene" "$processor" \
-        "$(per_step "${run[@]}" one)" "$(per_step "${run[@]}" many)" "$times"
+      local run=("${program[$processor]}" "$integrator" "$scene") times='' alone together
+      [ "${1-}" != --update ] || times=$("${run[@]}" time 1000) || exit 1
+      alone=$(per_step "${run[@]}" one) || exit 1
+      together=$(per_step "${run[@]}" many) || exit 1
+      printf '%-16s %-9s %-10s %6d %6d %s\n' "$integrator" "$scene" "$processor" "$alone" "$together" "$times"
     done
   done < <(rows)
 }

@@ -10,6 +10,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 record=tests/data/long_runs.csv
 rigid=tests/data/rigid_runs.csv
+# Also where cargo builds in another folder.
+mkdir -p target
 export TUMBLE_SWEEP_RECORD="$PWD/target/long_runs_part.csv"
 
 build() {

@@ -4,7 +4,7 @@
 # $CARGO_TARGET_DIR/web.
 #   .ci/web.sh            checks the page
 #   .ci/web.sh --write    stores the picture of the README, too
-# Installs Chromium by Debian's packages, and the program that drives it. Where they cannot be had, it says so and checks nothing.
+# Installs Chromium, Node and npm by Debian's packages, and the program that drives Chromium. Where they cannot be had, it says so and checks nothing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . .ci/cross.sh

@@ -15,9 +15,9 @@
 //! the cost, relative to a Rk4 written by hand. This takes some minutes, and a word selects scenes.
 //! With `--write` it writes the tables of README and guide.
 //!
-//! `cargo bench --bench work_precision -- --readme` measures trial 1 only, and draws the picture of
-//! the README, assets/work_precision.svg. The times are the shortest of three runs: compare rows,
-//! not machines.
+//! `cargo bench --bench work_precision -- --readme` measures trial 1 only, and draws the diagram of
+//! `guide::choosing`, assets/work_precision.svg. The times are the shortest of three runs: compare
+//! rows, not machines.
 
 // A benchmark that fails ends with a panic.
 #![allow(clippy::unwrap_used)]
@@ -69,7 +69,7 @@ fn main() {
         return;
     }
     if arguments.iter().any(|argument| argument == "--readme") {
-        draw_for_the_readme();
+        draw_for_the_guide();
         return;
     }
     flight(if whole { 200 } else { 1 });
@@ -216,7 +216,7 @@ fn measure(name: &str, start: &Start, single: bool, whole: bool) {
 }
 
 /// Draws trial 1, like every other scene, into assets/work_precision.svg.
-fn draw_for_the_readme() {
+fn draw_for_the_guide() {
     measure("trial1", &Start::named("trial1").unwrap(), false, true);
     let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/work_precision.svg");
     std::fs::copy(folder().join("trial1.svg"), &picture).unwrap();

@@ -9,7 +9,8 @@ use crate::setup::{GRAVITY, MASS, RADIUS};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Milestones {
     pub(crate) skidding: Skidding,
-    /// Time at which the coin's plane passes 45 degrees for the first time.
+    /// Time at which the coin's plane passes 45 degrees for the first time. `None` if the coin
+    /// starts below.
     pub(crate) halfway_down: Option<f64>,
     /// Time from which its energy is that of the coin at rest on its face.
     pub(crate) settled: Option<f64>,
@@ -85,8 +86,8 @@ fn skidding(moments: &[Moment]) -> Skidding {
 }
 
 fn halfway_down(moments: &[Moment]) -> Option<f64> {
-    let first = moments.iter().find(|moment| moment.tilt < FRAC_PI_4)?;
-    Some(first.time)
+    let first = moments.iter().position(|moment| moment.tilt < FRAC_PI_4)?;
+    (first > 0).then(|| moments[first].time)
 }
 
 fn settled(recording: &Recording) -> Option<f64> {

@@ -169,7 +169,8 @@ fn energy(recording: &Recording, size: Size) -> Sketch {
 
 /// Path of the lowest point and of the centre on the floor.
 fn track(recording: &Recording, size: Size) -> Sketch {
-    let moving = recording.until(Milestones::of(recording).settled);
+    let settled = Milestones::of(recording).settled;
+    let moving = recording.until(settled);
     let lowest = moving.iter().map(|m| (m.lowest.x, m.lowest.y));
     let centre = moving.iter().map(|m| (m.centre.x, m.centre.y));
     // A small picture shows less.
@@ -183,7 +184,11 @@ fn track(recording: &Recording, size: Size) -> Sketch {
         moving.last().unwrap_or(recording.first()),
     ];
     let rims = ends.map(rim);
-    let names = ["coin at the start", "coin at rest"];
+    let end = match settled {
+        Some(_) => "coin at rest",
+        None => "coin at the end",
+    };
+    let names = ["coin at the start", end];
     for (rim, name) in rims.iter().zip(names) {
         let outline = line(rim.clone(), GREY).with_legend(name);
         curves.push(outline.with_dashed());

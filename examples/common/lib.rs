@@ -58,7 +58,7 @@ pub struct Stored {
 /// The code is 0 if every figure is as expected, 1 if one is not or the run fails, and 2 if the
 /// command line is invalid.
 pub fn main(name: &str, about: &str, work: impl FnOnce(&Options) -> Outcome<Page>) -> ExitCode {
-    let help = help(name, about, "");
+    let help = help(name, about, "  -q, --quick          a shorter run\n");
     program(parse(None), &help, |(options, _)| {
         make_folder(&options.out.join(name))?;
         work(options)?.write(name, options)
@@ -66,7 +66,7 @@ pub fn main(name: &str, about: &str, work: impl FnOnce(&Options) -> Outcome<Page
 }
 
 /// Runs an example as [`main`] does. Its option `--write` stores the tables of its page in the
-/// documentation.
+/// documentation. It has no option `--quick`.
 pub fn main_with_tables(
     name: &str,
     about: &str,
@@ -90,9 +90,9 @@ pub fn main_with_tables(
 
 fn help(name: &str, about: &str, option: &str) -> String {
     format!(
-        "{about}\n\nUsage: cargo run --release --example {name} -- [OPTIONS]\n\n{option}  \
-         -o, --out <FOLDER>   where the page and its pictures go   [default: out]\n  \
-         -q, --quick          a shorter run\n  -h, --help           this text\n"
+        "{about}\n\nUsage: cargo run --release --example {name} -- [OPTIONS]\n\n  \
+         -o, --out <FOLDER>   where the page and its pictures go   [default: out]\n\
+         {option}  -h, --help           this text\n"
     )
 }
 
@@ -109,7 +109,7 @@ fn parse(stored: Option<Stored>) -> Result<Option<(Options, Option<Stored>)>, le
         match argument {
             Long("write") if stored.is_some() => written = stored,
             Short('o') | Long("out") => options.out = parser.value()?.into(),
-            Short('q') | Long("quick") => options.quick = true,
+            Short('q') | Long("quick") if stored.is_none() => options.quick = true,
             Short('h') | Long("help") => return Ok(None),
             other => return Err(other.unexpected()),
         }

@@ -149,10 +149,14 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         out: PathBuf::from("out"),
     };
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut percentage = None;
     let mut parser = lexopt::Parser::from_args(given);
     while let Some(argument) = parser.next()? {
         match argument {
-            Long("percent") => arguments.size = Size(10 * percent(parser.value()?.parse()?)?),
+            Long("percent") => {
+                let count = percent(parser.value()?.parse()?)?;
+                (arguments.size, percentage) = (Size(10 * count), Some(count));
+            }
             Short('q') | Long("quick") => arguments.size = Size::QUICK,
             Long("check") => (arguments.size, arguments.is_checked) = (Size::QUICK, true),
             Long("write") => arguments.is_written = true,
@@ -164,6 +168,12 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             },
             other => return Err(other.unexpected()),
         }
+    }
+    if let (true, Some(count)) = (arguments.is_checked, percentage) {
+        return Err(format!(
+            "--check plays a thousandth of the tosses: --percent must be left out, got {count}"
+        )
+        .into());
     }
     if arguments.subjects.is_empty() {
         arguments.subjects = SUBJECTS.to_vec();

@@ -53,7 +53,7 @@ Usage: cargo run --release --example measured_tosses -- --data <FILE> [OPTIONS]
       --synthetic       synthetic tosses with noise, to test the fit
       --write           writes the figures into the guide's page `measured`
   -o, --out <FOLDER>    folder of the page and its pictures                     [default: out]
-  -q, --quick           a short fit
+  -q, --quick           a short fit; that of --synthetic is always short
   -h, --help            this text
 ";
 

@@ -51,6 +51,16 @@ pub(crate) enum Task {
     Cost,
 }
 
+impl Task {
+    /// Least number of tosses: a measurement needs one.
+    fn least_tosses(self) -> u64 {
+        match self {
+            Self::Play | Self::Merge | Self::Replay(_) => 0,
+            Self::LabelError | Self::Efficiency | Self::Cost => 1,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub(crate) struct Arguments {
     pub(crate) tosses: Range<u64>,
@@ -62,8 +72,8 @@ pub(crate) struct Arguments {
     pub(crate) write: bool,
 }
 
-/// Bounds of the command line: tosses that take a year on a thousand cores, files that a folder can
-/// have, and threads.
+/// Bounds of the command line: tosses of the last row of the table of costs in `guide::outcomes`,
+/// files that a folder can have, and threads.
 const MOST_TOSSES: u64 = 1_000_000_000_000;
 const MOST_PARTS: u64 = 1_000_000;
 const MOST_THREADS: usize = 1024;
@@ -112,7 +122,8 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
     }
     let tosses = arguments.tosses.end - arguments.tosses.start;
     let parts = tosses.div_ceil(arguments.part);
-    within("--to minus --from", tosses, 0..=MOST_TOSSES, " tosses")?;
+    let least = arguments.task.least_tosses();
+    within("--to minus --from", tosses, least..=MOST_TOSSES, " tosses")?;
     within(
         "--to minus --from over --part",
         parts,

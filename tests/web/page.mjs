@@ -254,7 +254,16 @@ async function slidersMatter(tab) {
   }
 }
 
+const scene = (tab) =>
+  tab.evaluate(() => {
+    const { parameterBits, startBits } = window.page.tumble;
+    return [location.hash, parameterBits.join(), startBits.join()];
+  });
+
+// The run goes on with its own start, parameters and address.
 async function refusesByName(tab) {
+  await reached(tab, 100);
+  const before = await scene(tab);
   await tab.$eval('#step-number', (input) => {
     input.value = -1;
     input.dispatchEvent(new Event('change'));
@@ -262,11 +271,9 @@ async function refusesByName(tab) {
   assert.equal(await text(tab, 'error'), 'time step must be above 0, got -0.001 s');
   await wait(300);
   assert.equal(await tab.$eval('#error', (shown) => shown.hidden), false, 'the error stays');
-  assert.equal(
-    await tab.evaluate(() => window.page.tumble.parameters[2]),
-    1e-3,
-    'the last valid step size',
-  );
+  assert.equal(await tab.$eval('#step-number', (input) => input.value), '1', 'last valid step');
+  assert.deepEqual(await scene(tab), before, 'start, parameters and address');
+  assert.ok((await run(tab))[STEPS] >= 100, 'the run is not restarted');
   await tab.evaluate(() => {
     location.hash = '#1.nonsense';
   });
@@ -337,6 +344,8 @@ async function countsTosses(tab) {
   assert.equal(counts.length, 7, 'six faces and the undecided');
   // A count around 1000/6 has a standard deviation of 11.8; beyond five of them it is no fair die.
   for (const count of counts.slice(0, 6)) assert.ok(Math.abs(count - 1000 / 6) < 59, `${counts}`);
+  await tab.click('#too-long');
+  assert.equal(await tab.$$eval('#bars .count', (cells) => cells.length), 0, 'another scene');
   return counts.join(', ');
 }
 

@@ -109,18 +109,20 @@ class Page {
     this.face = -1;
   }
 
-  // Applies a parameter, or shows why the library refuses it.
+  // Applies a parameter. If the library refuses it, the run goes on as before.
   change(index, value, starts) {
     const before = this.tumble.parameterBits[index];
     this.attempt(
       () => {
         this.tumble.parameters[index] = value;
+        // An invalid scene must not replace the stored start of the run.
+        this.tumble.call('check');
         this.begun(starts ? 'place' : 'restart_here');
         if (!starts && index !== PARAMETER.method) this.tosses.reset();
       },
       () => {
         this.tumble.parameterBits[index] = before;
-        this.tumble.call('restart_here');
+        this.panel.show();
       },
     );
   }
@@ -178,7 +180,8 @@ class Page {
     });
   }
 
-  // A throw from a random pose, for the keyboard: speeds in units of √(g R).
+  // A throw with random velocities, for the keyboard. The body keeps its orientation, x and y.
+  // Speeds are in units of √(g R).
   throwAtRandom() {
     const random = () => crypto.getRandomValues(new Uint32Array(1))[0] / 2 ** 31 - 1;
     const { radius } = this.view,
@@ -203,6 +206,7 @@ class Page {
     this.attempt(() => {
       const { parameters, calls } = this.tumble;
       this.tumble.call('choose', parameters[PARAMETER.body]);
+      this.tosses.reset();
       parameters[PARAMETER.method] = METHODS.indexOf('Rk4');
       parameters[PARAMETER.start] = 2;
       this.tumble.call('place');
