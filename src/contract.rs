@@ -4,8 +4,9 @@
 //! The traits state their contracts in words. These functions check the contracts in numbers. Each
 //! check tries a fixed set of inputs, extremes first, and then as many random inputs as a
 //! [`CheckPlan`] specifies. It returns the first [`Violation`]: the [`Requirement`] that is broken,
-//! the input that breaks it, and both numbers. The checks do not allocate and do not panic, so that
-//! they also run on an embedded target.
+//! the input that breaks it, and both numbers. An invalid quantity of a range is a violation too,
+//! found before the implementation is evaluated. The checks do not allocate and do not panic, so
+//! that they also run on an embedded target.
 //!
 //! ```
 //! use tumble::contract::{CheckPlan, Requirement, GroundRange, check_ground};
@@ -40,10 +41,10 @@
 //! |---|---|
 //! | [`check_body`] | valid mass and inertia; contacts, bounding radius and [`contacts_below`](crate::RigidPointBody::contacts_below) that are consistent and never change |
 //! | [`check_ground`] | a surface whose gap decreases along its normal; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
-//! | [`check_friction`] | a force along the surface that opposes the slip, and a Jacobian that is consistent with it |
+//! | [`check_friction`] | a force along the surface that opposes the slip and tends to 0 with it, and a Jacobian that is consistent with it |
 //! | [`check_force`] | finite, continuous; a passive force does no positive work; powers that add up |
 //! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order |
-//! | [`check_energy_never_rises`] | computed energy that never increases: among the built-in integrators only [`EnergyMomentum`](crate::EnergyMomentum) and [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) pass |
+//! | [`check_energy_never_rises`] | computed energy that never increases: among the built-in integrators only [`EnergyMomentum`](crate::EnergyMomentum), [`CompactEnergyMomentum`](crate::CompactEnergyMomentum) and [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) pass |
 
 mod body;
 mod force;
@@ -64,7 +65,7 @@ use core::fmt;
 
 use glam::DVec3;
 
-use crate::error::{Rule, SceneError, StepError};
+use crate::error::{self, Rule, SceneError, StepError};
 use crate::real::{Real, Vector};
 
 /// Requirement of a trait's contract that an implementation breaks, and the input that shows it.
@@ -110,20 +111,20 @@ impl fmt::Display for Violation {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Requirement {
-    /// The implementation's own check passes, and a scene can be composed with it.
-    #[error("the parts must form a valid scene: {quantity} {rule}")]
+    /// The implementation's own check passes, a scene can be composed with it, and the range of the
+    /// check is valid.
+    #[error("the parts and the range of a check must be valid: {quantity} {rule}")]
     Composes {
         /// Name of the invalid quantity, such as "mass".
         quantity: &'static str,
-        /// Rule of scenes that it breaks.
+        /// Rule that it breaks.
         rule: Rule,
     },
     /// Every number is finite.
     #[error("every number must be finite")]
     Finite,
 
-    /// Body: mass, inertia, contacts, bounding radius and `contacts_below` are the same at every
-    /// call.
+    /// Body: each method returns the same value at every call with the same arguments.
     #[error("the values of a body must be the same at every call")]
     Rigid,
     /// Body: no contact's surface lies beyond the bounding radius.
@@ -227,7 +228,7 @@ pub enum Requirement {
     /// Force: it is zero if [`acts`](crate::Force::acts) returns false.
     #[error("a force that does not act must be 0")]
     ActsOrZero,
-    /// Force: it is continuous in the velocities.
+    /// Force: it is continuous in the velocities. Friction: it has no jump at zero slip.
     #[error("the force must be continuous in the velocities")]
     Continuous,
 
@@ -407,7 +408,15 @@ fn demand_at_most<R: Real>(
     demand(value <= bound, requirement, value, bound, input)
 }
 
-/// Violation for a scene that cannot be composed.
+/// Checks the centre of a range.
+fn check_centre<R: Real>(centre: R::Vec3) -> Result<(), SceneError> {
+    for component in [centre.x(), centre.y(), centre.z()] {
+        error::finite("a component of the centre of the range", component, " m")?;
+    }
+    Ok(())
+}
+
+/// Violation for a scene that cannot be composed, or for a range that is invalid.
 fn cannot_be(error: SceneError) -> Violation {
     Violation {
         requirement: Requirement::Composes {

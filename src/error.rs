@@ -280,8 +280,11 @@ pub enum StepError {
         "a step must take more than 0 s, and long enough for the clock of the run to resolve it"
     )]
     Stalled,
-    /// The time to advance by is negative or not finite.
-    #[error("the time to advance by must be finite and at least 0 s, got {} s", Readable(*seconds))]
+    /// The time to advance by is negative or not finite, or the clock of the session would overflow.
+    #[error(
+        "the time to advance by must be at least 0 s and end at a finite time, got {} s",
+        Readable(*seconds)
+    )]
     BadDuration {
         /// Requested time, s.
         seconds: f64,
@@ -441,7 +444,8 @@ pub enum LawQuantity {
     FrictionForce,
     /// Power of the friction force, `force · slip`, W.
     FrictionPower,
-    /// Torque or rotation speed of a [`RollingResistance`](crate::RollingResistance).
+    /// Torque or turn speed of a [`RollingResistance`](crate::RollingResistance). All are finite,
+    /// the torques are at least 0, and the turn speed is above 0.
     RollingResistance,
     /// Magnitude of an applied [`Force`](crate::Force), N.
     AppliedForce,
@@ -504,7 +508,8 @@ impl core::fmt::Display for LawQuantity {
             Self::MeanForce => "mean force",
             Self::FrictionForce => "friction force",
             Self::FrictionPower => "power of the friction force",
-            Self::RollingResistance => "rolling resistance",
+            // One rule stands for all its values, so the rest of the requirement is here.
+            Self::RollingResistance => "rolling resistance (finite, turn speed above 0)",
             Self::AppliedForce => "force",
             Self::AppliedTorque => "torque",
             Self::AppliedPower => "power",

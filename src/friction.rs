@@ -32,7 +32,8 @@ use crate::real::{Real, Vector};
 /// * It lies in the plane of `slip`. For contacts without radius on level ground, a component out
 ///   of this plane has no effect.
 /// * It opposes the slip (`force · slip <= 0`), so that friction never adds energy.
-/// * It is finite at zero slip.
+/// * It is finite at zero slip, and tends to 0 with the slip: a law with a jump there has no
+///   coefficient ([`jacobian`](SlidingFriction::jacobian)).
 ///
 /// [`contract::check_friction`](crate::contract::check_friction) tests an implementation. A step
 /// returns [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a force that adds energy

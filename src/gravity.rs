@@ -20,10 +20,9 @@ pub trait Gravity<R: Real = f64> {
     /// the value.
     fn check(&self) -> Result<(), SceneError> {
         let g = self.acceleration();
-        for component in [g.x(), g.y(), g.z()] {
-            error::finite("a component of gravity", component, " m/s²")?;
-        }
-        Ok(())
+        error::finite("x of the acceleration by gravity", g.x(), " m/s²")?;
+        error::finite("y of the acceleration by gravity", g.y(), " m/s²")?;
+        error::finite("z of the acceleration by gravity", g.z(), " m/s²")
     }
 }
 

@@ -471,14 +471,37 @@ fn rounding_of<R: Real>(largest: R) -> R {
     largest * (R::EPSILON * R::from_f64(64.0))
 }
 
+/// Names of the entries of an inertia tensor, column by column.
+const ENTRIES: [&str; 9] = [
+    "xx of the inertia tensor",
+    "yx of the inertia tensor",
+    "zx of the inertia tensor",
+    "xy of the inertia tensor",
+    "yy of the inertia tensor",
+    "zy of the inertia tensor",
+    "xz of the inertia tensor",
+    "yz of the inertia tensor",
+    "zz of the inertia tensor",
+];
+
+/// Checks that each entry of an inertia tensor is finite.
+pub(crate) fn finite_entries<R: Real>(inertia: R::Mat3) -> Result<(), SceneError> {
+    let columns = inertia.columns().into_iter();
+    let entries = columns.flat_map(|column| [column.x(), column.y(), column.z()]);
+    for (name, entry) in ENTRIES.into_iter().zip(entries) {
+        error::finite(name, entry, " kg m²")?;
+    }
+    Ok(())
+}
+
 /// Checks the tensor without its principal axes, and returns its entries.
 fn check_tensor<R: Real>(inertia: R::Mat3) -> Result<[[R; 3]; 3], SceneError> {
     let rows = inertia
         .columns()
         .map(|column| [column.x(), column.y(), column.z()]);
     let mut largest = R::ZERO;
+    finite_entries::<R>(inertia)?;
     for entry in rows.into_iter().flatten() {
-        error::finite("an entry of the inertia tensor", entry, " kg m²")?;
         largest = largest.at_least(entry.abs());
     }
     for (i, j) in PAIRS {

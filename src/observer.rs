@@ -159,7 +159,8 @@ fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
 pub struct Sample<'a, R: Real = f64> {
     /// Time since the start of the run, s. For an event: since that of the session.
     pub time: R,
-    /// Number of steps, counted from the same start. Within a step, that at its start.
+    /// Number of steps, counted from the same start. Within a step, that at its end, and for an
+    /// event that at its start.
     pub step: u64,
     /// Number of evaluations of the contacts' forces, counted in the same way.
     pub evaluations: u64,

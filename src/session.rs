@@ -313,10 +313,7 @@ where
                 step.map_err(|error| error.at(self.clock.time.to_f64()))?
             }
         };
-        if let Err(error) = self.clock.tick(&step) {
-            self.state = before;
-            return Err(error);
-        }
+        self.clock.tick_from(&before, &mut self.state, &step)?;
         if at_rest.is_none() {
             self.learn(&before, &step);
         }
@@ -359,6 +356,7 @@ where
         seconds: R,
         observer: &mut (impl Observer<R> + ?Sized),
     ) -> Result<R, StepError> {
+        self.clock.check_duration(seconds)?;
         self.renew_budget();
         let (before, mut clock) = (self.state, Clock::new());
         let (state, workspace) = (&mut self.state, self.workspace.borrow_mut());
@@ -590,6 +588,7 @@ where
 
     #[inline(never)]
     fn advance_by(&mut self, seconds: R) -> Result<(), StepError> {
+        self.clock.check_duration(seconds)?;
         self.rest.advance = None;
         self.renew_budget();
         let (start, mut clock) = (self.state, Clock::new());

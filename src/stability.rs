@@ -242,9 +242,8 @@ impl<R: Real> Response<R> {
 
     /// Adds the stiffness and the damping of the applied force.
     fn add_applied_force<D: Dynamics<R>>(&mut self, frame: &Frame<'_, R, D>, state: &State<R>) {
-        let force = frame.scene.force();
         for (index, column) in frame.columns().into_iter().enumerate() {
-            let per_speed = force.wrench_change(frame.motion, column[0], column[1]);
+            let per_speed = frame.change_of_motion(column);
             let per_path = frame.change_of_pose(state, column);
             for (matrix, change) in [
                 (&mut self.applied, per_speed),
@@ -432,22 +431,50 @@ impl<R: Real, D: Dynamics<R>> Frame<'_, R, D> {
         ]
     }
 
-    /// Derivative of the applied force along a translation and a rotation of the body, by a central
-    /// difference whose width is that of [`slopes`] for the length.
+    /// Derivative of the applied force along a translation and a rotation of the body.
     fn change_of_pose(&self, state: &State<R>, [path, turn]: [R::Vec3; 2]) -> Wrench<R> {
-        let root = R::EPSILON.sqrt();
-        let nudge = (root * root.sqrt()).sqrt() * (self.length + state.position.length());
-        if nudge <= R::ZERO {
-            return Wrench::ZERO;
-        }
-        let at = |by: R| {
+        // The rounding of a place depends on the place, that of an angle does not.
+        let distance = if path == R::Vec3::ZERO {
+            R::ZERO
+        } else {
+            state.position.length()
+        };
+        self.derivative(self.length + distance, |by| {
             let rotation = Rotation::from_rotation_vector(turn * by).after(state.rotation());
             self.scene.force().wrench(&Motion {
                 position: state.position + path * by,
                 axes: rotation.axes(),
                 ..*self.motion
             })
-        };
+        })
+    }
+
+    /// Derivative of the applied force along a linear and an angular velocity of the body.
+    ///
+    /// The unit of speed is that of the body, plus the one that the force gives it within its size.
+    /// Without the latter, rounding of the force hides the damping of a body at rest.
+    fn change_of_motion(&self, [velocity, spin]: [R::Vec3; 2]) -> Wrench<R> {
+        let (motion, force) = (self.motion, self.scene.force());
+        let wrench = force.wrench(motion);
+        let [x, y, z, a, b, c] = self.acceleration(wrench.force, wrench.torque);
+        let pushed = R::Vec3::new(x, y, z).length() + R::Vec3::new(a, b, c).length();
+        let speed =
+            motion.linear_velocity.length() + motion.angular_velocity.length() * self.length;
+        self.derivative(speed + (pushed * self.length).sqrt(), |by| {
+            force.wrench(&Motion {
+                linear_velocity: motion.linear_velocity + velocity * by,
+                angular_velocity: motion.angular_velocity + spin * by,
+                ..*motion
+            })
+        })
+    }
+
+    /// Derivative of a wrench by a central difference, whose width is that of [`slopes`] for this
+    /// unit of the argument, or for 1 if that is 0.
+    fn derivative(&self, unit: R, at: impl Fn(R) -> Wrench<R>) -> Wrench<R> {
+        let root = R::EPSILON.sqrt();
+        let unit = if unit > R::ZERO { unit } else { R::ONE };
+        let nudge = (root * root.sqrt()).sqrt() * unit;
         let difference = at(nudge).plus(&at(-nudge), -R::ONE);
         Wrench::ZERO.plus(&difference, R::ONE / (nudge + nudge))
     }

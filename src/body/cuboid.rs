@@ -177,9 +177,10 @@ impl<R: Real> RigidPointBody<R> for Cuboid<R> {
         error::above_zero("y edge of the cuboid", self.edges.y(), " m")?;
         error::above_zero("z edge of the cuboid", self.edges.z(), " m")?;
         error::at_least_zero("radius of the cuboid's corners", self.corner_radius, " m")?;
-        for between in self.between_corners() {
-            error::at_least_zero("edge of the cuboid minus its corner radii", between, " m")?;
-        }
+        let [x, y, z] = self.between_corners();
+        error::at_least_zero("x edge of the cuboid minus its corner radii", x, " m")?;
+        error::at_least_zero("y edge of the cuboid minus its corner radii", y, " m")?;
+        error::at_least_zero("z edge of the cuboid minus its corner radii", z, " m")?;
         error::above_zero("mass of the cuboid", self.distribution.mass, " kg")?;
         self.distribution.check()
     }

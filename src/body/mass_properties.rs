@@ -3,6 +3,7 @@
 use super::homogeneous::finite_mass;
 use super::point_cloud::{check_masses, inertia_of, sum};
 use crate::error::{self, Rule, SceneError};
+use crate::inertia::finite_entries;
 use crate::real::{Matrix, Real, Vector};
 use crate::rotation::Rotation;
 
@@ -158,12 +159,7 @@ impl<R: Real> MassProperties<R> {
         error::finite("x of the centre of mass", centre.x(), " m")?;
         error::finite("y of the centre of mass", centre.y(), " m")?;
         error::finite("z of the centre of mass", centre.z(), " m")?;
-        for column in self.inertia.columns() {
-            for entry in [column.x(), column.y(), column.z()] {
-                error::finite("an entry of the inertia tensor", entry, " kg m²")?;
-            }
-        }
-        Ok(())
+        finite_entries::<R>(self.inertia)
     }
 
     /// Mass properties of the homogeneous solid inside a closed surface of triangles.

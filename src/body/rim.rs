@@ -263,11 +263,9 @@ impl<R: Real> Rim<R> {
     pub fn check(&self) -> Result<(), SceneError> {
         error::above_zero("radius of the rim", self.radius, " m")?;
         error::above_zero("number of points that the rim represents", self.points, "")?;
-        error::finite(
-            "distance of the rim from the centre of mass",
-            self.centre.length(),
-            " m",
-        )?;
+        error::finite("x of the centre of the rim", self.centre.x(), " m")?;
+        error::finite("y of the centre of the rim", self.centre.y(), " m")?;
+        error::finite("z of the centre of the rim", self.centre.z(), " m")?;
         let [first, second] = self.axes;
         let normal = first.cross(second).length();
         error::finite("normal of the rim", normal, "")?;

@@ -270,11 +270,18 @@ macro_rules! saved_with_contacts {
 }
 
 saved_with_contacts!(PointCloud, (mass: R, inertia: R::Mat3, centre: R::Vec3), points,
-    |cloud| error::finite("centre of mass", cloud.centre.length(), " m")
+    |cloud| finite_centre::<R>(cloud.centre)
         .and_then(|()| at_least_one("number of points", &cloud.points)));
 saved_with_contacts!(Solid, (distribution: MassProperties<R>), contacts,
     |solid| solid.distribution.check()
         .and_then(|()| at_least_one("number of contacts", &solid.contacts)));
+
+/// Checks that the centre of mass of a body from a file is finite.
+fn finite_centre<R: Real>(centre: R::Vec3) -> Result<(), SceneError> {
+    error::finite("x of the centre of mass", centre.x(), " m")?;
+    error::finite("y of the centre of mass", centre.y(), " m")?;
+    error::finite("z of the centre of mass", centre.z(), " m")
+}
 
 /// Checks that a body from a file has contacts, as its constructors require.
 fn at_least_one<R: Real, P: AsRef<[ContactPoint<R>]>>(

@@ -24,7 +24,7 @@ use crate::real::{Matrix, Real, Vector};
 /// - `contacts_below` omits no contact, and `contacts_below_near` returns the same range. A known
 ///   range with the right [`range_ends`](crate::RigidPointBody::range_ends) omits none either.
 /// - `support_point` of a smooth body is the farthest point in its direction.
-/// - All results are the same at every call.
+/// - All results are the same at every call with the same arguments.
 ///
 /// The planes of `contacts_below` have directions to a cube's faces, edges and corners, to
 /// contacts, and random ones. Their offsets are at contacts, at the bounding radius, and far away.
@@ -45,8 +45,8 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     body: &B,
     plan: CheckPlan,
 ) -> Result<(), Violation> {
-    let first = Portrait::of(body);
     body.check().map_err(cannot_be)?;
+    let first = Portrait::of(body);
     check_contacts(body.contacts()).map_err(cannot_be)?;
     check_rims(body).map_err(cannot_be)?;
     inertia_of(body).map_err(|error| cannot_have(body, error))?;
@@ -106,6 +106,10 @@ fn check_support<R: Real, B: RigidPointBody<R> + ?Sized>(
 ) -> Result<(), Violation> {
     let support = body.support(direction);
     demand_finite(support, || Input::AsItIs)?;
+    let again = body.support(direction);
+    demand(again == support, Requirement::Rigid, again, support, || {
+        Input::AsItIs
+    })?;
     let bound = support + body.bounding_radius() * ulps(8.0);
     for rim in body.rims() {
         let place = rim.support_point(direction);
@@ -156,6 +160,8 @@ fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
             index: 0,
         };
         demand_finite(place.length(), input)?;
+        let off = (body.support_point(towards) - place).length();
+        demand_at_most(off, R::ZERO, Requirement::Rigid, input)?;
         demand_at_most(
             place.length(),
             bounding_radius + rounding,
@@ -245,12 +251,28 @@ fn check_below<R: Real, B: RigidPointBody<R> + ?Sized>(
         below.input(again.first)
     })?;
     let known = known_ranges(below.range, body.contacts().len());
+    check_ends(body, &below, &known)?;
     let near = known.map(|known| body.contacts_below_near(normal, offset, known));
     check_none_is_omitted(body, first, &below, &known, &near)?;
     known
         .into_iter()
         .zip(near)
         .try_for_each(|(known, near)| check_near(body, &below, known, near))
+}
+
+/// Checks that the ends of each known range are the same at two calls.
+fn check_ends<R: Real, B: RigidPointBody<R> + ?Sized>(
+    body: &B,
+    below: &Below<R>,
+    known: &[ContactRange],
+) -> Result<(), Violation> {
+    for range in known {
+        let [ends, again] = [(); 2].map(|()| hash_of_ends::<R>(body.range_ends(*range)));
+        demand(ends == again, Requirement::Rigid, R::ONE, R::ZERO, || {
+            below.input(range.first)
+        })?;
+    }
+    Ok(())
 }
 
 /// Checks that each contact below the plane is in the body's range, in those found `near` known
@@ -349,6 +371,25 @@ struct Portrait<R: Real> {
     count: usize,
     contacts: u64,
     rims: [Option<Rim<R>>; MOST_RIMS],
+    flags: Flags,
+    /// Hash of the support in one direction. A drift shows that two calls in a row do not show.
+    support: u64,
+}
+
+/// Properties of a body that are true or false.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Flags {
+    is_symmetric: bool,
+    is_smooth: bool,
+}
+
+impl Flags {
+    fn of<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> Self {
+        Self {
+            is_symmetric: body.is_symmetric(),
+            is_smooth: body.is_smooth(),
+        }
+    }
 }
 
 impl<R: Real> Portrait<R> {
@@ -360,6 +401,8 @@ impl<R: Real> Portrait<R> {
             count: body.contacts().len(),
             contacts: hash_of(body.contacts()),
             rims: core::array::from_fn(|number| body.rims().get(number).copied()),
+            flags: Flags::of(body),
+            support: hash_of_support(body),
         }
     }
 
@@ -372,10 +415,14 @@ impl<R: Real> Portrait<R> {
         for mass in [(); 3].map(|()| body.mass()) {
             demand_same(mass == self.mass, [mass, self.mass])?;
         }
+        for flags in [(); 3].map(|()| Flags::of(body)) {
+            demand_same(flags == self.flags, [R::ONE, R::ZERO])?;
+        }
         let other = Self::of(body);
         demand_same(other.mass == self.mass, [other.mass, self.mass])?;
         let traces = [&other, self].map(|portrait| trace::<R>(portrait.inertia));
         demand_same(other.inertia == self.inertia, traces)?;
+        demand_same(other.support == self.support, [R::ONE, R::ZERO])?;
         demand_same(
             other == *self,
             [other.bounding_radius, self.bounding_radius],
@@ -388,16 +435,39 @@ fn trace<R: Real>(inertia: R::Mat3) -> R {
     x.x() + y.y() + z.z()
 }
 
-/// Hash of the contacts by FNV-1a.
+/// Hash of the contacts.
 fn hash_of<R: Real>(contacts: &[ContactPoint<R>]) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325;
-    for contact in contacts {
+    hash_of_numbers(contacts.iter().flat_map(|contact| {
         let p = contact.position;
-        for number in [p.x(), p.y(), p.z(), contact.radius] {
-            hash = (hash ^ number.to_f64().to_bits()).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-    hash
+        [p.x(), p.y(), p.z(), contact.radius]
+    }))
+}
+
+/// Hash of the positions at the ends of a range. Unlike a NaN, the hash of it equals itself.
+fn hash_of_ends<R: Real>(ends: Option<[R::Vec3; 4]>) -> u64 {
+    let ends = ends.into_iter().flatten();
+    hash_of_numbers(ends.flat_map(|end| [end.x(), end.y(), end.z()]))
+}
+
+/// Hash of the support function in one direction, which is not that of an axis or of a diagonal.
+/// For a smooth body the support point is included.
+fn hash_of_support<R: Real, B: RigidPointBody<R> + ?Sized>(body: &B) -> u64 {
+    let direction = unit::<R>(R::Vec3::new(R::TWO, R::from_f64(-3.0), R::from_f64(6.0)));
+    let point = if body.is_smooth() {
+        body.support_point(direction)
+    } else {
+        R::Vec3::ZERO
+    };
+    hash_of_numbers([body.support(direction), point.x(), point.y(), point.z()])
+}
+
+/// Hash of the bits of numbers by FNV-1a.
+fn hash_of_numbers<R: Real>(numbers: impl IntoIterator<Item = R>) -> u64 {
+    numbers
+        .into_iter()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, number| {
+            (hash ^ number.to_f64().to_bits()).wrapping_mul(0x0100_0000_01b3)
+        })
 }
 
 #[cfg(test)]

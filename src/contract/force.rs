@@ -2,8 +2,10 @@
 
 use super::plan::{CheckPlan, cube_directions};
 use super::{
-    Input, Requirement, Violation, cannot_be, demand, demand_at_most, demand_finite, ulps, wide,
+    Input, Requirement, Violation, cannot_be, check_centre, demand, demand_at_most, demand_finite,
+    ulps, wide,
 };
+use crate::error::{self, SceneError};
 use crate::force::Force;
 use crate::real::{Real, Vector};
 use crate::state::Motion;
@@ -19,6 +21,15 @@ pub struct ForceRange<R: Real = f64> {
     pub speed: R,
     /// Largest angular speed, rad/s, at least 0.
     pub angular_speed: R,
+}
+
+impl<R: Real> ForceRange<R> {
+    fn check(&self) -> Result<(), SceneError> {
+        check_centre::<R>(self.centre)?;
+        error::at_least_zero("size of the range", self.size, " m")?;
+        error::at_least_zero("speed of the range", self.speed, " m/s")?;
+        error::at_least_zero("angular speed of the range", self.angular_speed, " rad/s")
+    }
 }
 
 /// Checks an applied force in motions of a range: at rest, with speeds from 10⁻¹² of the largest to
@@ -57,25 +68,22 @@ pub struct ForceRange<R: Real = f64> {
 ///
 /// # Errors
 /// Returns the first [`Violation`], with the requirement that is broken and the motion that breaks
-/// it.
+/// it. A quantity of the range that is invalid is named with its rule and its value.
 pub fn check_force<R: Real, E: Force<R> + ?Sized>(
     force: &E,
     range: &ForceRange<R>,
     plan: CheckPlan,
 ) -> Result<(), Violation> {
+    range.check().map_err(cannot_be)?;
     force.check().map_err(cannot_be)?;
-    let mut check = Check {
-        force,
-        range,
-        largest: [R::ZERO; 2],
-        is_passive: force.is_passive(),
-    };
+    let mut check = Check::of(force, range);
     check.constant()?;
-    for index in 0..MOTIONS + plan.cases {
+    let motions = MOTIONS.saturating_add(plan.cases);
+    for index in 0..motions {
         check.motion(&motion(range, plan, index))?;
     }
     // The largest values are known now.
-    for index in 0..MOTIONS + plan.cases {
+    for index in 0..motions {
         check.continuous(&motion(range, plan, index))?;
     }
     Ok(())
@@ -131,21 +139,53 @@ struct Check<'a, R: Real, E: ?Sized> {
     range: &'a ForceRange<R>,
     /// Largest force, N, and torque, N m, so far.
     largest: [R; 2],
-    is_passive: bool,
+    /// Values of the first calls.
+    first: Constants<R>,
 }
 
-impl<R: Real, E: Force<R> + ?Sized> Check<'_, R, E> {
+/// Values of a force that depend on no motion. They must never change.
+#[derive(Clone, Copy, PartialEq)]
+struct Constants<R: Real> {
+    force: Option<R::Vec3>,
+    is_passive: bool,
+    acts: bool,
+}
+
+impl<R: Real> Constants<R> {
+    fn of<E: Force<R> + ?Sized>(force: &E) -> Self {
+        Self {
+            force: force.constant_force(),
+            is_passive: force.is_passive(),
+            acts: force.acts(),
+        }
+    }
+}
+
+impl<'a, R: Real, E: Force<R> + ?Sized> Check<'a, R, E> {
+    fn of(force: &'a E, range: &'a ForceRange<R>) -> Self {
+        Self {
+            force,
+            range,
+            largest: [R::ZERO; 2],
+            first: Constants::of(force),
+        }
+    }
+
     fn constant(&self) -> Result<(), Violation> {
-        let input = || Input::AsItIs;
-        let first = self.force.constant_force();
-        demand_finite(first.map_or(R::ZERO, |force| force.length()), input)?;
-        let same = first == self.force.constant_force();
-        let as_number = if same { R::ZERO } else { R::ONE };
-        demand(same, Requirement::SameBits, as_number, R::ZERO, input)
+        let constant = self.first.force.map_or(R::ZERO, |force| force.length());
+        demand_finite(constant, || Input::AsItIs)?;
+        self.steady(|| Input::AsItIs)
+    }
+
+    /// Checks that the values that depend on no motion are those of the first calls.
+    fn steady(&self, input: impl FnOnce() -> Input) -> Result<(), Violation> {
+        let same = self.first == Constants::of(self.force);
+        demand(same, Requirement::SameBits, R::ONE, R::ZERO, input)
     }
 
     fn motion(&mut self, motion: &Motion<R>) -> Result<(), Violation> {
         let input = || input(motion);
+        self.steady(input)?;
         let wrench = self.force.wrench(motion);
         let [force, torque] = [wrench.force.length(), wrench.torque.length()];
         demand_finite(force, input)?;
@@ -154,7 +194,7 @@ impl<R: Real, E: Force<R> + ?Sized> Check<'_, R, E> {
             self.largest[0].at_least(force),
             self.largest[1].at_least(torque),
         ];
-        if !self.force.acts() {
+        if !self.first.acts {
             demand_at_most(force + torque, R::ZERO, Requirement::ActsOrZero, input)?;
         }
         let again = self.force.wrench(motion);
@@ -171,10 +211,8 @@ impl<R: Real, E: Force<R> + ?Sized> Check<'_, R, E> {
             + wrench.torque.length() * motion.angular_velocity.length();
         let rounding = terms * ulps(16.0);
         let (power, stated) = (wrench.power(motion), self.force.power(motion));
-        let says = self.force.is_passive();
-        let is_steady = says == self.is_passive;
-        demand(is_steady, Requirement::SameBits, R::ONE, R::ZERO, input)?;
-        if says {
+        self.steady(input)?;
+        if self.first.is_passive {
             demand_at_most(power, rounding, Requirement::PassiveTakes, input)?;
             let drive = stated.drive.abs();
             demand_at_most(drive, R::ZERO, Requirement::PassiveTakes, input)?;

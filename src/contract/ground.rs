@@ -2,9 +2,10 @@
 
 use super::plan::{CheckPlan, across, cube_directions, unit};
 use super::{
-    Input, Requirement, Violation, cannot_be, demand_at_least, demand_at_most, demand_finite, ulps,
-    wide,
+    Input, Requirement, Violation, cannot_be, check_centre, demand_at_least, demand_at_most,
+    demand_finite, ulps, wide,
 };
+use crate::error::{self, SceneError};
 use crate::ground::{GroundBounds, OneSurface, Plane, SpringDamperGround, Surface};
 use crate::quadrature::UNIT_3;
 use crate::real::{Real, Vector};
@@ -22,6 +23,15 @@ pub struct GroundRange<R: Real = f64> {
     pub depth: R,
     /// Largest closing or separating speed of a contact, m/s, above 0.
     pub speed: R,
+}
+
+impl<R: Real> GroundRange<R> {
+    fn check(&self) -> Result<(), SceneError> {
+        check_centre::<R>(self.centre)?;
+        error::above_zero("size of the range", self.size, " m")?;
+        error::above_zero("depth of the range", self.depth, " m")?;
+        error::above_zero("speed of the range", self.speed, " m/s")
+    }
 }
 
 /// Checks a ground.
@@ -75,12 +85,13 @@ pub struct GroundRange<R: Real = f64> {
 ///
 /// # Errors
 /// Returns the first [`Violation`], with the requirement that is broken and the input that breaks
-/// it.
+/// it. A quantity of the range that is invalid is named with its rule and its value.
 pub fn check_ground<R: Real, G: SpringDamperGround<R> + ?Sized>(
     ground: &G,
     range: &GroundRange<R>,
     plan: CheckPlan,
 ) -> Result<(), Violation> {
+    range.check().map_err(cannot_be)?;
     ground.check().map_err(cannot_be)?;
     (0..ground.surfaces().unwrap_or(1)).try_for_each(|index| {
         let surface = OneSurface::of(ground, index);

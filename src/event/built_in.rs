@@ -48,7 +48,8 @@ impl<R: Real> Event<R> for LiftOff {
 /// Event that the vertical velocity of the centre of mass vanishes at the top of its path.
 ///
 /// Its value is the velocity along world z, m/s, falling. `Apex.rising()` is the bottom of the
-/// path.
+/// path. A body that is let go at rest begins at the top of its path: the first occurrence is then
+/// at the start, and `Apex.nth(2)` is the top of its first bounce.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Apex;
 

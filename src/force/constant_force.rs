@@ -45,10 +45,9 @@ impl<R: Real> Force<R> for ConstantForce<R> {
     }
 
     fn check(&self) -> Result<(), SceneError> {
-        for component in [self.force.x(), self.force.y(), self.force.z()] {
-            error::finite("a component of the constant force", component, " N")?;
-        }
-        Ok(())
+        error::finite("x of the constant force", self.force.x(), " N")?;
+        error::finite("y of the constant force", self.force.y(), " N")?;
+        error::finite("z of the constant force", self.force.z(), " N")
     }
 
     #[inline]

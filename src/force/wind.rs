@@ -90,9 +90,9 @@ impl<R: Real, E: Force<R>> Force<R> for Wind<E, R> {
 
     fn check(&self) -> Result<(), SceneError> {
         let v = self.velocity;
-        for component in [v.x(), v.y(), v.z()] {
-            error::finite("a component of the wind", component, " m/s")?;
-        }
+        error::finite("x of the velocity of the wind", v.x(), " m/s")?;
+        error::finite("y of the velocity of the wind", v.y(), " m/s")?;
+        error::finite("z of the velocity of the wind", v.z(), " m/s")?;
         self.force.check()
     }
 

@@ -48,7 +48,9 @@ pub struct AnisotropicCoulomb<R: Real = f64> {
 impl<R: Real> AnisotropicCoulomb<R> {
     /// Creates the law for the plane with this normal and a grain in this direction.
     ///
-    /// Both vectors have any length above 0. The direction is projected onto the plane.
+    /// Both vectors have any length above 0. The direction is projected onto the plane, so it must
+    /// not be parallel to the normal. Otherwise the unit vectors of the law are NaN, and a scene
+    /// with it returns an error.
     #[must_use]
     pub fn on(normal: R::Vec3, direction: R::Vec3, coefficients: [R; 2], slip_speed: R) -> Self {
         let [normal, direction] = [normal, direction].map(scaled::<R>);
@@ -123,16 +125,15 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
 
     fn check(&self) -> Result<(), SceneError> {
         let close = R::EPSILON * R::from_f64(16.0);
-        for direction in [self.along, self.across] {
+        for (name, direction) in [
+            ("direction of the friction along the grain", self.along),
+            ("direction of the friction across the grain", self.across),
+        ] {
             let length = direction.length();
             let is_one = (length - R::ONE).abs() <= close;
             if !is_one {
-                return Err(SceneError::new(
-                    "direction of the friction",
-                    Rule::UnitLength,
-                    length.to_f64(),
-                    "",
-                ));
+                let length = length.to_f64();
+                return Err(SceneError::new(name, Rule::UnitLength, length, ""));
             }
         }
         let cosine = self.along.dot(self.across);
@@ -144,9 +145,9 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
                 "",
             ));
         }
-        for coefficient in self.coefficients {
-            error::at_least_zero("coefficient of friction", coefficient, "")?;
-        }
+        let [along, across] = self.coefficients;
+        error::at_least_zero("coefficient of friction along the grain", along, "")?;
+        error::at_least_zero("coefficient of friction across the grain", across, "")?;
         error::above_zero("slip speed of the friction", self.slip_speed, " m/s")
     }
 }

@@ -124,12 +124,14 @@ impl<R: Real> Region<R> {
             }
             Self::Strip { across, from, to } => {
                 check_unit::<R>(across)?;
-                error::finite("edge of the friction region", from, " m")?;
-                error::finite("edge of the friction region", to, " m")?;
+                error::finite("lower edge of the friction region", from, " m")?;
+                error::finite("upper edge of the friction region", to, " m")?;
                 error::at_least_zero("width of the friction region", to - from, " m")
             }
             Self::Ball { centre, radius } => {
-                error::finite("centre of the friction region", centre.length(), " m")?;
+                error::finite("x of the centre of the friction region", centre.x(), " m")?;
+                error::finite("y of the centre of the friction region", centre.y(), " m")?;
+                error::finite("z of the centre of the friction region", centre.z(), " m")?;
                 error::at_least_zero("radius of the friction region", radius, " m")
             }
         }

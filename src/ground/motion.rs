@@ -77,10 +77,35 @@ impl<R: Real> GroundMotion<R> {
     }
 
     pub(crate) fn check(&self) -> Result<(), SceneError> {
-        let (speed, rate) = (self.velocity.length(), self.angular_velocity.length());
-        // That of a turntable determines the other one.
-        error::finite("angular velocity of the ground", rate, " rad/s")?;
-        error::finite("velocity of the ground", speed, " m/s")
+        let (v, w) = (self.velocity, self.angular_velocity);
+        // The angular velocity of a turntable determines its velocity.
+        for (name, rate) in [
+            ("x of the angular velocity of the ground", w.x()),
+            ("y of the angular velocity of the ground", w.y()),
+            ("z of the angular velocity of the ground", w.z()),
+        ] {
+            error::finite(name, rate, " rad/s")?;
+        }
+        for speed in [v.x(), v.y(), v.z()] {
+            error::finite("velocity of the ground", speed, " m/s")?;
+        }
+        // The check against a plane compares lengths.
+        let (rate, speed) = (w.length_squared(), v.length_squared());
+        error::finite(
+            "square of the angular velocity of the ground",
+            rate,
+            " rad²/s²",
+        )?;
+        error::finite("square of the velocity of the ground", speed, " m²/s²")
+    }
+
+    /// Checks that both velocities are 0.
+    pub(super) fn check_at_rest(
+        &self,
+        [velocity, angular_velocity]: [&'static str; 2],
+    ) -> Result<(), SceneError> {
+        zero(velocity, self.velocity.length(), " m/s")?;
+        zero(angular_velocity, self.angular_velocity.length(), " rad/s")
     }
 
     /// Checks that a plane stays where it is: the velocity is along it, and the angular velocity
@@ -105,6 +130,15 @@ impl<R: Real> GroundMotion<R> {
             return Err(SceneError::new(along, Rule::Zero, value, " rad/s"));
         }
         Ok(())
+    }
+}
+
+/// Checks that a value is 0.
+fn zero<R: Real>(quantity: &'static str, value: R, unit: &'static str) -> Result<(), SceneError> {
+    if value == R::ZERO {
+        Ok(())
+    } else {
+        Err(SceneError::new(quantity, Rule::Zero, value.to_f64(), unit))
     }
 }
 
@@ -150,7 +184,7 @@ impl<R: Real> GroundMotion<R> {
     ))
 )]
 pub struct MovingGround<G, R: Real = f64> {
-    /// Surface and contact law.
+    /// Surface and contact law. It has no motion of its own.
     pub ground: G,
     /// Motion of the material.
     pub motion: GroundMotion<R>,
@@ -225,6 +259,12 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for MovingGround<G
 
     fn check(&self) -> Result<(), SceneError> {
         self.ground.check()?;
+        if let Some(motion) = self.ground.motion() {
+            motion.check_at_rest([
+                "velocity of the ground inside a moving ground",
+                "angular velocity of the ground inside a moving ground",
+            ])?;
+        }
         self.motion.check()?;
         let mut checked = Ok(());
         for index in 0..self.ground.surfaces().unwrap_or(1) {

@@ -1,8 +1,8 @@
 //! Grounds of several surfaces: a floor and walls, a step, a groove, a lid.
 
 use super::{GroundBounds, GroundMotion, MeanForce, NoGround, SpringDamperGround, Surface};
-use crate::error::{Rule, SceneError};
-use crate::real::{Real, Vector};
+use crate::error::SceneError;
+use crate::real::Real;
 
 /// Evaluates `$answer` for one surface of `$ground`, or returns `$otherwise` if there is none.
 macro_rules! of_surface {
@@ -107,25 +107,12 @@ fn check_part<R: Real, G: SpringDamperGround<R>>(part: &G) -> Result<(), SceneEr
     if let GroundBounds::Plane(plane) | GroundBounds::Below(plane) = part.bounds() {
         plane.check()?;
     }
-    let Some(motion) = part.motion() else {
-        return Ok(());
-    };
-    let (speed, rate) = (motion.velocity.length(), motion.angular_velocity.length());
-    zero("velocity of one surface among several", speed, " m/s")?;
-    zero(
-        "angular velocity of one surface among several",
-        rate,
-        " rad/s",
-    )
-}
-
-/// Checks that a value is 0.
-fn zero<R: Real>(quantity: &'static str, value: R, unit: &'static str) -> Result<(), SceneError> {
-    if value == R::ZERO {
-        Ok(())
-    } else {
-        Err(SceneError::new(quantity, Rule::Zero, value.to_f64(), unit))
-    }
+    part.motion().map_or(Ok(()), |motion| {
+        motion.check_at_rest([
+            "velocity of one surface among several",
+            "angular velocity of one surface among several",
+        ])
+    })
 }
 
 /// Surface of a ground of several that is nearest to a point, or deepest above it.

@@ -118,7 +118,9 @@ pub use workspace::Workspace;
 ///   `ω = √(K/m)`, the mass `m`, and the stiffness `K` of all contacts that touch. With longer
 ///   steps, a bounce without dampers still conserves its energy, but its timing is wrong. A bounce
 ///   with dampers has the wrong restitution. Friction that stops a body within a step stops it at
-///   the end of the step. [`guide::accuracy`](crate::guide::accuracy) describes the extremes.
+///   the end of the step. [`guide::accuracy`](crate::guide::accuracy) describes the extremes. Under
+///   an applied force it is accurate if the step resolves that too, `dt < m/c` for a drag of `c` per
+///   speed. With a longer step a sinking body has the wrong speed.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
 ///   inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at

@@ -203,7 +203,9 @@ impl<R: Real> Observer<R> for Ledger<R> {
             None => self.first = Some(energy),
             // A run begins: no time has passed since the end of the previous one.
             Some(before) if sample.step == 0 => {
-                self.exact = self.exact.filter(|_| before.node.state == now.node.state);
+                let exact = self.exact.filter(|_| before.node.state == now.node.state);
+                // The scene may be another one.
+                self.exact = exact.map(|node| Node::at(sample.scene, &node.state));
                 self.handed_in += energy.total() - before.node.energy();
             }
             Some(before) => self.enter(&before, &now, sample.scene),

@@ -236,15 +236,13 @@ impl<R: Real> Inspector<R> for Record<R> {
     }
 
     fn resistance(&self, resistance: &RollingResistance<R>, normal_force: R) {
-        let values = [
-            resistance.rolling,
-            resistance.spinning,
-            resistance.turn_speed,
-        ];
-        let broken = values.into_iter().find(|&value| {
-            let sound = value >= R::ZERO;
-            !sound
-        });
+        let is_torque = |torque: R| torque >= R::ZERO && torque <= R::MAX;
+        let torques = [resistance.rolling, resistance.spinning];
+        let torque = torques.into_iter().find(|&torque| !is_torque(torque));
+        // At a turn speed of 0 the torque on a body at rest would be 0/0.
+        let speed = resistance.turn_speed;
+        let is_speed = speed > R::ZERO && speed <= R::MAX;
+        let broken = torque.or((!is_speed).then_some(speed));
         if let Some(value) = broken.filter(|_| normal_force >= R::ZERO && normal_force.is_finite())
         {
             self.note(LawQuantity::RollingResistance, value);

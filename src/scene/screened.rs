@@ -106,9 +106,12 @@ impl<R: Real, const IN_LANES: bool> Inspector<R> for Alarm<IN_LANES> {
 
     #[inline(always)]
     fn resistance(&self, resistance: &RollingResistance<R>, _normal_force: R) {
-        self.expect(resistance.rolling >= R::ZERO);
-        self.expect(resistance.spinning >= R::ZERO);
-        self.expect(resistance.turn_speed >= R::ZERO);
+        let is_torque = |torque: R| (torque >= R::ZERO) & (torque <= R::MAX);
+        self.expect(is_torque(resistance.rolling));
+        self.expect(is_torque(resistance.spinning));
+        // At a turn speed of 0 the torque on a body at rest would be 0/0.
+        let speed = resistance.turn_speed;
+        self.expect((speed > R::ZERO) & (speed <= R::MAX));
     }
 
     #[inline(always)]

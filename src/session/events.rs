@@ -15,7 +15,7 @@ use crate::integrator::{Integrator, Step};
 use crate::observer::Sample;
 use crate::real::Real;
 use crate::state::State;
-use crate::stepper::{Clock, End, Stepper, check_duration, check_samples};
+use crate::stepper::{Clock, End, Stepper, check_samples};
 
 impl<'a, R, B, G, F, A, I, E, W> Session<'a, B, G, F, A, I, R, E, W>
 where
@@ -119,7 +119,7 @@ where
         events: [&dyn Event<R>; N],
         mut handle: impl FnMut(&Occurrence<R>) -> ControlFlow<()>,
     ) -> Result<EventEnd<R>, StepError> {
-        check_duration(seconds)?;
+        self.clock.check_duration(seconds)?;
         let mut watch = Watch::new(events);
         check_samples(seconds, watch.interval())?;
         self.renew_budget();
@@ -149,7 +149,7 @@ where
     /// Returns [`StepError`] if [`step`](Self::step) does.
     pub fn dense_step(&mut self) -> Result<DenseStep<'a, B, G, F, A, I, R, E>, StepError> {
         self.renew_budget();
-        let path = self.path(&Clock::new());
+        let path = self.path(&Clock::new(), self.clock.time);
         let step = self.step()?;
         Ok(DenseStep {
             path,
@@ -169,7 +169,7 @@ where
         let end = self.stepper.end_at(seconds);
         end.check_first_step::<I>(clock)?;
         while !end.is_reached(clock) {
-            let mut path = self.path(clock);
+            let mut path = self.path(clock, clock.time);
             let step = self.step_of_run(&end, clock)?;
             let ends = [path.start(), path.instant(step.elapsed, self.state)];
             let spanned = (end.time_step).map_or(1, |own| (step.elapsed / own).floor_index());
@@ -207,7 +207,7 @@ where
         let before = self.state;
         let step = self.take_step(&before, limit);
         let step = step.map_err(|error| error.at(clock.time.to_f64()))?;
-        clock.tick(&step)?;
+        clock.tick_from(&before, &mut self.state, &step)?;
         self.learn(&before, &step);
         end.check_next_steps::<I>(&step, clock)?;
         Ok(step)
@@ -229,8 +229,9 @@ where
         Ok(there)
     }
 
-    /// Returns the path of the step that begins now, at this time of the run.
-    fn path(&self, run: &Clock<R>) -> StepPath<'a, B, G, F, A, I, R, E> {
+    /// Returns the path of the step that begins now, at this time of the run. Its errors name the
+    /// time `begin`, s.
+    fn path(&self, run: &Clock<R>, begin: R) -> StepPath<'a, B, G, F, A, I, R, E> {
         let mut clock = self.clock;
         clock.add(run);
         StepPath {
@@ -241,6 +242,7 @@ where
             session: self.clock,
             run: *run,
             clock,
+            begin,
         }
     }
 }
@@ -261,6 +263,8 @@ struct StepPath<'a, B, G, F, A, I: Integrator<R>, R: Real, E> {
     run: Clock<R>,
     /// Clock of the session at the start of the step.
     clock: Clock<R>,
+    /// Time of the start of the step in errors, s.
+    begin: R,
 }
 
 impl<R, B, G, F, A, I, E> StepPath<'_, B, G, F, A, I, R, E>
@@ -283,7 +287,8 @@ where
         let (mut state, mut clock) = (self.state, Clock::new());
         // A sum of several steps is rounded.
         while clock.left(after) > after * (R::EPSILON * R::HALF) {
-            let step = (self.stepper).move_on(&mut state, clock.left(after), workspace)?;
+            let step = (self.stepper).move_on(&mut state, clock.left(after), workspace);
+            let step = step.map_err(|error| error.at((self.begin + clock.time).to_f64()))?;
             clock.tick(&step)?;
         }
         Ok((state, clock))

@@ -3,6 +3,7 @@
 use crate::error::StepError;
 use crate::integrator::{Integrator, Step};
 use crate::real::Real;
+use crate::state::State;
 
 /// Returns [`StepError::BadDuration`] if a duration is negative or not finite.
 pub(crate) fn check_duration<R: Real>(seconds: R) -> Result<(), StepError> {
@@ -209,6 +210,29 @@ impl<R: Real> Clock<R> {
         self.evaluations = self.evaluations.wrapping_add(step.evaluations.into());
         self.rejected = self.rejected.wrapping_add(step.rejected.into());
         Ok(())
+    }
+
+    /// Adds the step that has led from `before` to `state`, or lets the state go back to `before`
+    /// and returns the error of [`tick`](Self::tick).
+    #[inline]
+    pub(crate) fn tick_from(
+        &mut self,
+        before: &State<R>,
+        state: &mut State<R>,
+        step: &Step<R>,
+    ) -> Result<(), StepError> {
+        self.tick(step).inspect_err(|_| *state = *before)
+    }
+
+    /// Returns [`StepError::BadDuration`] if the clock would overflow before `seconds` have passed.
+    pub(crate) fn check_duration(&self, seconds: R) -> Result<(), StepError> {
+        check_duration(seconds)?;
+        if (self.time + seconds).is_finite() {
+            return Ok(());
+        }
+        Err(StepError::BadDuration {
+            seconds: seconds.to_f64(),
+        })
     }
 
     /// Adds the time and the counts of another clock.

@@ -82,7 +82,7 @@ where
     /// # Errors
     /// Returns [`StateError`] with the first state whose run fails, and the error of
     /// [`advance`](Self::advance). That state is the one after its last successful step. All other
-    /// states are advanced to the end.
+    /// states are advanced to the end. A call without states has no error, whatever the duration.
     pub fn advance_many(&self, states: &mut [State<R>], seconds: R) -> Result<(), StateError> {
         let mut first = Ok(());
         for (group, states) in states.chunks_mut(LANES).enumerate() {

@@ -74,7 +74,7 @@ where
             let before = *state;
             let step = self.move_on_from(&before, state, limit, workspace);
             let step = step.map_err(|error| error.at(clock.time.to_f64()))?;
-            clock.tick(&step)?;
+            clock.tick_from(&before, state, &step)?;
             let has_moved = self.learn(&before, state, &step, rests);
             end.check_next_steps::<I>(&step, clock)?;
             if skipped == Skipped::TooMuch && has_moved {

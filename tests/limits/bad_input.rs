@@ -13,16 +13,17 @@ use tumble::error::{LawQuantity, Quantity, Role, Rule};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::real::{Quaternion, Vector};
 use tumble::{
-    AnisotropicCoulomb, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone, ContactLaw,
-    ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54, Elevation, Ellipsoid,
-    EnergyMomentum, FlatGround, ForwardEuler, FrictionField, FrictionPatch, Ground, HeightField,
-    HuntCrossley, Impact, Integrator, Ledger, LimitedDamper, LoadDependentCoulomb, MassProperties,
-    MovingGround, Plane, PointCloud, PointMass, Ramp, Real, Region, RigidPointBody, Rim, Rk4, Rod,
-    RollingResistance, SceneError, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
-    SpringDamper, SpringDamperGround, State, StepError, StrangSplitting, Stribeck, Surface,
-    SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity, Viscous, Waves, WithResistance,
+    AirDrag, AnisotropicCoulomb, Block, BogackiShampine32, Bowl, Capsule, Carried, Coin, Cone,
+    ConstantForce, ContactLaw, ContactPoint, Coulomb, Cuboid, Disc, Dissipation, DormandPrince54,
+    Elevation, Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, FrictionField, FrictionPatch,
+    Ground, HeightField, HuntCrossley, Impact, Integrator, Ledger, LimitedDamper,
+    LoadDependentCoulomb, MassProperties, MovingGround, Plane, PointCloud, PointMass, Ramp, Real,
+    Region, RigidPointBody, Rim, Rk4, Rod, RollingResistance, SceneError, SlidingFriction,
+    SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError,
+    StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity,
+    Viscous, Waves, WithResistance,
 };
-use tumble::{Dynamics, Every, Flight, Sample, Step, Timed, UntilRest};
+use tumble::{Dynamics, Every, Flight, Sample, Shape, Step, Timed, UntilRest, Wind};
 
 // -----------------------------------------------------------------------------------------------
 // One test a parameter
@@ -109,7 +110,7 @@ fn a_message_has_no_hundreds_of_digits() {
     let error = stepper.advance(&mut state, -1e-320).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the time to advance by must be finite and at least 0 s, got -1e-320 s"
+        "the time to advance by must be at least 0 s and end at a finite time, got -1e-320 s"
     );
     let error = Stepper::new(Coin::ring(-3e300, 0.5)).unwrap_err();
     assert!(error.to_string().ends_with("got -3e300 kg"), "{error}");
@@ -260,7 +261,12 @@ fn corners_of_a_box_cannot_be_rounder_than_half_its_shortest_edge() {
     });
     assert_eq!(
         Stepper::new(cube.rounded(0.375)).unwrap_err().to_string(),
-        "edge of the cuboid minus its corner radii must be at least 0, got -0.25 m"
+        "x edge of the cuboid minus its corner radii must be at least 0, got -0.25 m"
+    );
+    let flat = Cuboid::solid(1.0, DVec3::new(1.0, 1.0, 0.5)).rounded(0.375);
+    assert_eq!(
+        Stepper::new(flat).unwrap_err().to_string(),
+        "z edge of the cuboid minus its corner radii must be at least 0, got -0.25 m"
     );
 }
 
@@ -363,7 +369,7 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
     );
     for bad in NOT_FINITE {
         let told = alone(rim(DVec3::X * bad, DVec3::Y, 120)).unwrap();
-        let place = "distance of the rim from the centre of mass must be finite";
+        let place = "x of the centre of the rim must be finite";
         assert!(told.starts_with(place), "{told}");
         let told = alone(rim(DVec3::X, DVec3::Y * bad, 120)).unwrap();
         assert!(told.starts_with("normal of the rim must be"), "{told}");
@@ -420,7 +426,7 @@ fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
         });
     }
     let limits = (Rule::Finite, &[][..], &[1.0][..]);
-    refuses("an entry of the inertia tensor", limits, " kg m²", |z| {
+    refuses("zz of the inertia tensor", limits, " kg m²", |z| {
         of(1.0, DVec3::ZERO, z)
     });
     let ball = MassProperties::ball(1.0, 0.5).unwrap();
@@ -521,7 +527,7 @@ fn a_coin_too_large_for_its_moments_to_be_numbers_is_refused() {
     let error = Stepper::new(Coin::ring(1.0, 1e200)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "an entry of the inertia tensor must be finite, got inf kg m²"
+        "xx of the inertia tensor must be finite, got inf kg m²"
     );
 }
 
@@ -659,13 +665,14 @@ fn the_contacts_of_a_users_body_are_checked_like_the_crates_own() {
 
 #[test]
 fn an_inertia_tensor_is_finite_in_each_entry() {
-    for entry in 0..9 {
+    let names = ["xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", "zz"];
+    for (entry, name) in names.into_iter().enumerate() {
         for value in NOT_FINITE {
             let mut entries = DMat3::IDENTITY.to_cols_array();
             entries[entry] = value;
             let error = Stepper::new(solid(1.0, DMat3::from_cols_array(&entries))).unwrap_err();
             let expected = format!(
-                "an entry of the inertia tensor must be finite, got {} kg m²",
+                "{name} of the inertia tensor must be finite, got {} kg m²",
                 in_a_message(value)
             );
             assert_eq!(error.to_string(), expected);
@@ -816,12 +823,12 @@ fn the_numbers_of_a_terrain_are_in_their_ranges() {
             .map(|_| ())
     }
     let finite: (Rule, &[f64], &[f64]) = (Rule::Finite, &[], &[0.0, -1.0, 1e9]);
-    refuses("curvature of the bowl", finite, " 1/m", |number| {
+    refuses("curvature of the bowl along x", finite, " 1/m", |number| {
         on(Bowl {
             curvatures: [number, 1.0],
         })
     });
-    refuses("curvature of the bowl", finite, " 1/m", |number| {
+    refuses("curvature of the bowl along y", finite, " 1/m", |number| {
         on(Bowl {
             curvatures: [1.0, number],
         })
@@ -838,12 +845,20 @@ fn the_numbers_of_a_terrain_are_in_their_ranges() {
             length: 1.0,
         })
     });
-    refuses("length of the waves", ABOVE_ZERO, " m", |length| {
+    let waves = |length| {
         on(Waves {
             amplitude: 0.1,
             length,
         })
-    });
+    };
+    let limits = (ABOVE_ZERO.0, ABOVE_ZERO.1, &[1e-100, 1.0, f64::MAX][..]);
+    refuses("length of the waves", limits, " m", waves);
+    // The slope of shorter waves would be infinity times 0.
+    for length in [5e-324, 1e-308, 1e-160] {
+        let error = waves(length).unwrap_err();
+        assert_eq!(error.quantity, "square of the length of the waves");
+        assert_eq!(error.rule, Rule::FiniteInverse);
+    }
 }
 
 #[test]
@@ -1163,16 +1178,17 @@ fn the_numbers_of_friction_with_a_grain_are_in_their_ranges() {
             .with_friction(law)
             .map(|_| ())
     };
-    refuses("coefficient of friction", AT_LEAST_ZERO, "", |number| {
-        let mut law = law;
-        law.coefficients[0] = number;
-        with(law)
-    });
-    refuses("coefficient of friction", AT_LEAST_ZERO, "", |number| {
-        let mut law = law;
-        law.coefficients[1] = number;
-        with(law)
-    });
+    let names = [
+        "coefficient of friction along the grain",
+        "coefficient of friction across the grain",
+    ];
+    for (i, name) in names.into_iter().enumerate() {
+        refuses(name, AT_LEAST_ZERO, "", |number| {
+            let mut law = law;
+            law.coefficients[i] = number;
+            with(law)
+        });
+    }
     refuses("slip speed of the friction", ABOVE_ZERO, " m/s", |number| {
         let mut law = law;
         law.slip_speed = number;
@@ -1185,11 +1201,11 @@ fn the_numbers_of_friction_with_a_grain_are_in_their_ranges() {
     };
     assert_eq!(
         refusal(DVec3::X * 2.0, DVec3::Y),
-        "direction of the friction must have length 1, got 2"
+        "direction of the friction along the grain must have length 1, got 2"
     );
     assert_eq!(
         refusal(DVec3::X, DVec3::NAN),
-        "direction of the friction must have length 1, got NaN"
+        "direction of the friction across the grain must have length 1, got NaN"
     );
     assert_eq!(
         refusal(DVec3::X, DVec3::X),
@@ -1225,10 +1241,14 @@ fn a_friction_region_is_finite_with_a_unit_direction_and_a_width_of_at_least_zer
     }
     for value in NOT_FINITE {
         let edge = format!("edge of the friction region must be finite, got {value} m");
-        assert_eq!(strip(DVec3::X, value, 1.0).as_ref(), Some(&edge));
-        assert_eq!(strip(DVec3::X, 0.0, value).as_ref(), Some(&edge));
+        let told = strip(DVec3::X, value, 1.0);
+        assert_eq!(told, Some(format!("lower {edge}")));
+        let told = strip(DVec3::X, 0.0, value);
+        assert_eq!(told, Some(format!("upper {edge}")));
         assert_eq!(half(DVec3::X, value).as_ref(), Some(&edge));
-        assert!(ball(DVec3::Y * value, 1.0).is_some());
+        let told = ball(DVec3::new(1e200, value, 0.0), 1.0);
+        let centre = "y of the centre of the friction region must be finite";
+        assert_eq!(told, Some(format!("{centre}, got {value} m")));
         assert!(ball(DVec3::ZERO, value).is_some());
     }
     assert_eq!(
@@ -1240,6 +1260,7 @@ fn a_friction_region_is_finite_with_a_unit_direction_and_a_width_of_at_least_zer
         Some("radius of the friction region must be at least 0, got -0.5 m")
     );
     assert_eq!(strip(DVec3::X, 0.0, 0.0), None);
+    assert_eq!(ball(DVec3::X * 1e200, 1.0), None);
 }
 
 /// The law of a position is not known when the scene is composed, so a step refuses it.
@@ -1310,10 +1331,58 @@ fn the_slip_speed_of_friction_is_above_zero() {
 fn each_component_of_gravity_is_finite() {
     for axis in 0..3 {
         let limits = (Rule::Finite, &[][..], &[0.0, -1.0, 1e100, -1e153][..]);
-        refuses("a component of gravity", limits, " m/s²", |g| {
+        let quantity = format!("{} of the acceleration by gravity", AXES[axis]);
+        refuses(&quantity, limits, " m/s²", |g| {
             let mut acceleration = DVec3::new(1.0, 2.0, 3.0);
             acceleration[axis] = g;
             Stepper::new(point_mass(1.0))?.with_gravity(UniformGravity { acceleration })
+        });
+    }
+}
+
+/// Names of the components of a vector.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The vector 1, 2, 3 with another number along one axis.
+fn with_component(axis: usize, value: f64) -> DVec3 {
+    let mut vector = DVec3::new(1.0, 2.0, 3.0);
+    vector[axis] = value;
+    vector
+}
+
+#[test]
+fn each_component_of_a_force_and_of_the_wind_is_finite() {
+    let limits = (Rule::Finite, &[][..], &[0.0, -1.0, 1e100][..]);
+    for (axis, name) in AXES.into_iter().enumerate() {
+        let quantity = format!("{name} of the constant force");
+        refuses(&quantity, limits, " N", |value| {
+            let force = with_component(axis, value);
+            Stepper::new(point_mass(1.0))?.with_force(ConstantForce { force })
+        });
+        let quantity = format!("{name} of the velocity of the wind");
+        refuses(&quantity, limits, " m/s", |value| {
+            let (velocity, force) = (with_component(axis, value), AirDrag::linear(0.1));
+            Stepper::new(point_mass(1.0))?.with_force(Wind { velocity, force })
+        });
+    }
+}
+
+#[test]
+fn each_component_of_a_block_is_in_its_range() {
+    let check = |centre, half| {
+        let block: Block = Block { centre, half };
+        block.check()
+    };
+    for (axis, name) in AXES.into_iter().enumerate() {
+        let quantity = format!("{name} of the centre of the block");
+        // The square of 1e200 overflows.
+        let limits = (Rule::Finite, &[][..], &[0.0, -1e200][..]);
+        refuses(&quantity, limits, " m", |value| {
+            check(with_component(axis, value), DVec3::ONE)
+        });
+        let quantity = format!("half of the {name} length of the block");
+        refuses(&quantity, ABOVE_ZERO, " m", |value| {
+            check(DVec3::ZERO, with_component(axis, value))
         });
     }
 }
@@ -1978,39 +2047,60 @@ fn a_friction_law_that_pushes_is_named_by_every_integrator_and_not_suppressed() 
 }
 
 #[test]
-fn a_resistance_to_turning_below_zero_is_named() {
-    struct Motor;
+fn a_resistance_to_turning_that_is_invalid_is_named() {
+    struct Motor(RollingResistance);
     impl SlidingFriction for Motor {
         fn force(&self, _normal_force: f64, _slip: DVec3) -> DVec3 {
             DVec3::ZERO
         }
         fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
             Some(RollingResistance {
-                rolling: -1e-3 * normal_force,
-                spinning: 0.0,
-                turn_speed: 1e-2,
+                rolling: self.0.rolling * normal_force.max(1e-9),
+                ..self.0
             })
         }
     }
-    each_method!(1e-3, |integrator, method| {
-        let stepper = Stepper::new(Sphere::solid(1.0, 0.1))
-            .unwrap()
-            .with_ground(FlatGround::level(1e3, 2.0))
-            .unwrap()
-            .with_friction(Motor)
-            .unwrap()
-            .with_integrator(integrator)
-            .unwrap();
-        let mut state = State::at(DVec3::Z * 0.09).with_angular_momentum(DVec3::Y * 0.01);
-        let answer = stepper.step(&mut state);
-        assert!(
-            matches!(
-                answer,
-                Err(StepError::BrokenLaw { quantity: LawQuantity::RollingResistance, value }) if value < 0.0
-            ),
-            "{method}: {answer:?}"
-        );
-    });
+    let quantity = LawQuantity::RollingResistance;
+    let invalid: [([f64; 2], fn(f64) -> bool); 5] = [
+        ([-1e-3, 1e-2], |value| value < 0.0),
+        // At rest the torque is 0/0.
+        ([1e-3, 0.0], |value| value == 0.0),
+        ([1e-3, -1.0], |value| value < 0.0),
+        ([1e-3, f64::INFINITY], f64::is_infinite),
+        ([f64::INFINITY, 1e-2], f64::is_infinite),
+    ];
+    for ([rolling, turn_speed], is_told) in invalid {
+        each_method!(1e-3, |integrator, method| {
+            let law = Motor(RollingResistance {
+                rolling,
+                spinning: 0.0,
+                turn_speed,
+            });
+            let stepper = Stepper::new(Sphere::solid(1.0, 0.1))
+                .and_then(|stepper| stepper.with_ground(FlatGround::level(1e3, 2.0)))
+                .and_then(|stepper| stepper.with_friction(law))
+                .and_then(|stepper| stepper.with_integrator(integrator))
+                .unwrap();
+            let mut state = State::at(DVec3::Z * 0.09).with_angular_momentum(DVec3::Y * 0.01);
+            let answer = stepper.step(&mut state);
+            assert!(
+                matches!(
+                    answer,
+                    Err(StepError::BrokenLaw { quantity: found, value })
+                        if found == quantity && is_told(value)
+                ),
+                "{method}: {answer:?}"
+            );
+        });
+    }
+    let text = StepError::BrokenLaw {
+        quantity,
+        value: 0.0,
+    }
+    .to_string();
+    let told = "the rolling resistance (finite, turn speed above 0) of the friction law must be \
+        at least 0, got 0e0";
+    assert!(text.starts_with(told), "{text}");
 }
 
 #[test]
@@ -2149,7 +2239,7 @@ fn a_duration_below_zero_or_no_number_is_refused_before_anything_moves() {
     });
     assert_eq!(
         StepError::BadDuration { seconds: -1.5 }.to_string(),
-        "the time to advance by must be finite and at least 0 s, got -1.5 s"
+        "the time to advance by must be at least 0 s and end at a finite time, got -1.5 s"
     );
     assert_eq!(
         StepError::BadLimit { seconds: -1.5 }.to_string(),
@@ -2320,10 +2410,11 @@ fn a_step_that_the_clock_does_not_resolve_ends_the_run() {
         fn step<D: Dynamics>(
             &self,
             _scene: &D,
-            _state: &mut State,
+            state: &mut State,
             limit: f64,
             _workspace: &mut (),
         ) -> Result<Step, StepError> {
+            state.linear_velocity.x += 1.0;
             Ok(Step::new(if limit > 0.5 { 0.5 } else { 1e-300 }, 0))
         }
         fn order(&self) -> u32 {
@@ -2335,8 +2426,36 @@ fn a_step_that_the_clock_does_not_resolve_ends_the_run() {
     }
     let stepper = Stepper::new(point_mass(1.0)).unwrap();
     let stepper = stepper.with_integrator(Crumbs).unwrap();
-    let answer = stepper.advance(&mut State::default(), 1.0);
+    // The state is that after the first step, which took time.
+    let mut state = State::default();
+    assert_eq!(stepper.advance(&mut state, 1.0), Err(StepError::Stalled));
+    assert_eq!(state.linear_velocity, DVec3::X);
+    let mut session = stepper.session(State::default());
+    assert_eq!(session.advance(1.0), Err(StepError::Stalled));
+    assert_eq!(
+        (session.state().linear_velocity, session.time()),
+        (DVec3::X, 0.5)
+    );
+    let mut session = stepper.session(State::default());
+    let answer = session.run_with_events(1.0, [], |_| ControlFlow::Continue(()));
     assert_eq!(answer, Err(StepError::Stalled));
+    assert_eq!(
+        (session.state().linear_velocity, session.time()),
+        (DVec3::X, 0.5)
+    );
+}
+
+#[test]
+fn a_session_whose_clock_would_overflow_is_not_advanced() {
+    let stepper = Stepper::new(point_mass(1.0))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 1e300 }))
+        .unwrap();
+    let mut session = stepper.session(State::default());
+    session.advance(1e308).unwrap();
+    let error = session.advance(1e308).unwrap_err();
+    assert_eq!(error, StepError::BadDuration { seconds: 1e308 });
+    assert_eq!(session.run(1e308, &mut ()), Err(error));
+    assert_eq!(session.time().to_bits(), 1e308_f64.to_bits());
 }
 
 #[test]
@@ -2650,7 +2769,7 @@ fn a_turntable_that_is_not_finite_is_refused_for_its_angular_velocity() {
         let ground = MovingGround::turntable(FlatGround::level(1e5, 0.0), DVec3::X, rate);
         let composed = Stepper::new(Coin::ring(1.0, 0.5)).and_then(|s| s.with_ground(ground));
         let error = composed.map(|_| ()).unwrap_err();
-        assert_eq!(error.quantity, "angular velocity of the ground");
+        assert_eq!(error.quantity, "z of the angular velocity of the ground");
         assert_eq!(error.rule, Rule::Finite);
     }
 }

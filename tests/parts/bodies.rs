@@ -547,6 +547,17 @@ fn a_hull_and_a_mesh_need_a_finite_mass() {
 
 #[cfg(feature = "serde")]
 #[test]
+fn a_cloud_far_from_the_origin_is_saved_and_loaded() {
+    // The square of the distance overflows in single precision.
+    let points = [Vec3::ZERO, Vec3::Y, Vec3::Z].map(|point| point + Vec3::X * 1e20);
+    let cloud = PointCloud::new(points, [1.0_f32; 3]).unwrap();
+    let text = serde_json::to_string(&cloud).unwrap();
+    let loaded: PointCloud<f32, [ContactPoint<f32>; 3]> = serde_json::from_str(&text).unwrap();
+    assert_eq!(loaded, cloud);
+}
+
+#[cfg(feature = "serde")]
+#[test]
 fn a_body_of_a_file_needs_contacts() {
     fn emptied<B: serde::Serialize + serde::de::DeserializeOwned>(body: &B, list: &str) -> String {
         let mut value = serde_json::to_value(body).unwrap();

@@ -801,6 +801,46 @@ fn ground_that_would_leave_its_plane_is_named() {
         named(GroundMotion::rotation(DVec3::X * f64::INFINITY, DVec3::Z)),
         ("velocity of the ground", Rule::Finite)
     );
+    assert_eq!(
+        named(GroundMotion::rotation(DVec3::ZERO, DVec3::Y * f64::NAN)),
+        ("x of the angular velocity of the ground", Rule::Finite)
+    );
+}
+
+#[test]
+fn the_velocity_of_a_ground_is_told_with_its_own_value() {
+    let told = |x: f64| {
+        let ground = MovingGround::conveyor(FlatGround::level(1e4, 1.0), DVec3::X * x + DVec3::Y);
+        let error: SceneError = SpringDamperGround::check(&ground).unwrap_err();
+        error.to_string()
+    };
+    assert_eq!(
+        told(f64::NEG_INFINITY),
+        "velocity of the ground must be finite, got -inf m/s"
+    );
+    assert_eq!(
+        told(1e200),
+        "square of the velocity of the ground must be finite, got inf m²/s²"
+    );
+}
+
+/// The motion inside would have no effect, so a moving ground in motion is refused.
+#[test]
+fn a_moving_ground_inside_another_is_refused() {
+    let belt = |velocity| MovingGround::conveyor(FlatGround::level(1e4, 1.0), velocity);
+    let table = |ground| MovingGround::turntable(ground, DVec3::ZERO, 1.0);
+    let error: SceneError = SpringDamperGround::check(&table(belt(DVec3::X * 2.0))).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "velocity of the ground inside a moving ground must be 0, got 2 m/s"
+    );
+    let twice = MovingGround::conveyor(table(belt(DVec3::ZERO)), DVec3::X);
+    let error: SceneError = SpringDamperGround::check(&twice).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "angular velocity of the ground inside a moving ground must be 0, got 1 rad/s"
+    );
+    assert_eq!(SpringDamperGround::check(&table(belt(DVec3::ZERO))), Ok(()));
 }
 
 /// A bowl that turns about its own axis stays where it is. A bowl on a belt does not.

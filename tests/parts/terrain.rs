@@ -12,10 +12,27 @@ use proptest::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
     Bowl, Coulomb, Elevation, EnergyMomentum, Frictionless, Ground, HeightField, Ramp, Shape,
-    SlidingFriction, SpringDamper, State, Terrain, UniformGravity, Waves,
+    SlidingFriction, SpringDamper, State, Surface, Terrain, UniformGravity, Waves,
 };
 
 const G: f64 = 9.8;
+
+/// The squares of these numbers underflow. At the bend, the root of their sum must not be 0.
+#[test]
+fn a_ramp_with_a_tiny_bend_has_a_gap_everywhere() {
+    for width in [1e-150, 1e-163, 1e-200, 5e-324] {
+        let ramp = Terrain::of(Ramp { slope: 0.5, width });
+        for x in [0.0, -0.0, 1e-170, -1e-170, 1.0, -1.0_f64] {
+            let surface: Surface = ramp.surface(DVec3::new(x, 0.0, 0.5 * x.max(0.0) + 0.1));
+            let (gap, normal) = (surface.gap, surface.normal);
+            assert!(
+                (0.08..0.1 + 1e-12).contains(&gap),
+                "{width} m, {x} m: {gap} m"
+            );
+            assert!((normal.length() - 1.0).abs() < 1e-12, "{width} m, {x} m");
+        }
+    }
+}
 
 /// The named reliefs, with radii of curvature of 1 m at least.
 fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {

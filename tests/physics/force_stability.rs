@@ -11,8 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    AirDrag, Cuboid, FlatGround, Force, Ground, Integrator, Motion, Plane, Sphere, SpinDrag,
-    SpringDamper, State, SymplecticEuler, UniformGravity, Wrench,
+    AirDrag, Cuboid, FlatGround, Force, Ground, Integrator, Motion, Plane, PointMass, Sphere,
+    SpinDrag, SpringDamper, State, SymplecticEuler, UniformGravity, Wrench,
 };
 
 /// A spring to the origin and a damper that holds the position, and a torsion spring that holds the
@@ -77,7 +77,8 @@ fn a_force_in_flight_has_the_limit_of_its_rate() {
     let area = 0.02;
     let quadratic = AirDrag::quadratic(0.5, area, 1.2);
     let per_speed = 0.5 * 0.5 * area * 1.2;
-    let cases: [(&str, &dyn Force, State, [f64; 2]); 5] = [
+    let far = State::at(DVec3::X * 1e5);
+    let cases: [(&str, &dyn Force, State, [f64; 2]); 6] = [
         ("linear", &AirDrag::linear(0.6), moving, [0.0, 0.6 / mass]),
         (
             "quadratic",
@@ -93,6 +94,7 @@ fn a_force_in_flight_has_the_limit_of_its_rate() {
         ),
         ("spring", &spring, State::default(), [90.0 / mass, 0.0]),
         ("torsion", &torsion, State::default(), [0.02 / inertia, 0.0]),
+        ("torsion far away", &torsion, far, [0.02 / inertia, 0.0]),
     ];
     for (name, force, state, [stiffness, damping]) in cases {
         each_explicit!(1e-3, |integrator, method| {
@@ -120,6 +122,32 @@ fn a_force_in_flight_has_the_limit_of_its_rate() {
             }
         });
     }
+}
+
+/// The damping of a force counts while the body is at rest and the force is not, and so does its
+/// stiffness for a point in equilibrium at the origin.
+#[test]
+fn a_force_has_its_rates_on_a_body_at_rest() {
+    let mount = Mount {
+        stiffness: DVec3::splat(1000.0),
+        damping: DVec3::splat(100.0),
+        torsion: 0.0,
+        arm: DVec3::ZERO,
+    };
+    each_explicit!(1e-3, |integrator, method| {
+        let stepper = Stepper::new(PointMass::new(1.0))
+            .and_then(|stepper| stepper.with_integrator(integrator))
+            .and_then(|stepper| stepper.with_force(mount))
+            .unwrap();
+        let expected = Integrator::<f64>::largest_stable_step(&integrator, 1000.0, 100.0).unwrap();
+        for place in [DVec3::ZERO, DVec3::ONE] {
+            let limit = stepper.largest_stable_step(&State::at(place)).unwrap();
+            assert!(
+                (0.5..1.001).contains(&(limit / expected)),
+                "{method} at {place}: {limit}, not {expected}"
+            );
+        }
+    });
 }
 
 /// Forces on a brick with and without ground: below the limit no disturbance grows, above it one

@@ -11,8 +11,8 @@ use tumble::glam::{DVec3, Vec3};
 use tumble::real::Vector;
 use tumble::{
     Bowl, Capsule, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, FlatGround, Ground,
-    Integrator, Plane, Radau5, Real, RigidPointBody, Shape, Sphere, SpringDamper, State, StepError,
-    Terrain, Trial, UniformGravity, Waves, WithResistance,
+    GroundMotion, Integrator, MovingGround, Plane, Radau5, Real, RigidPointBody, Shape, Sphere,
+    SpringDamper, State, StepError, Terrain, Trial, UniformGravity, Waves, WithResistance,
 };
 
 const GRAVITY: f64 = 9.8; // m/s^2
@@ -66,6 +66,38 @@ fn path_of_ball(speed: f64, slip_speed: f64, time: f64) -> f64 {
     let slip = low.exp();
     let slid = (0.5 * (speed + slip) + slip_speed) * (speed - slip) / rate;
     5.0 / 7.0 * speed * time + 2.0 / 7.0 * slid
+}
+
+/// A ball that is set down on a turntable slides, and rolls round. Its slip changes with its place,
+/// at any slip speed: `μ N/slip_speed` multiplies that change.
+#[test]
+fn a_turntable_takes_no_more_steps_at_a_small_slip_speed() {
+    for (rate, tilt) in [(2.0, 0.0), (6.0, 0.0), (4.0, 0.05_f64)] {
+        let normal = DVec3::new(tilt.sin(), 0.0, tilt.cos());
+        let floor = FlatGround::level(STIFFNESS, 50.0).on(Plane::through(DVec3::ZERO, normal));
+        let turning = GroundMotion::rotation(DVec3::ZERO, normal * rate);
+        for slip_speed in [1e-3, 1e-5, 1e-7] {
+            let stepper = Stepper::builder(Sphere::solid(MASS, RADIUS))
+                .gravity(UniformGravity::down(GRAVITY))
+                .ground(MovingGround {
+                    ground: floor,
+                    motion: turning,
+                })
+                .friction(Coulomb {
+                    coefficient: FRICTION,
+                    slip_speed,
+                })
+                .integrator(Radau5::new(1e-6))
+                .build()
+                .unwrap();
+            let depth = MASS * GRAVITY * tilt.cos() / STIFFNESS;
+            let place = DVec3::Y * 0.2 + normal * (RADIUS - depth);
+            let mut session = stepper.session(State::at(place));
+            session.advance(1.0).unwrap();
+            let steps = session.step_count();
+            assert!(steps < 200, "{rate} rad/s, {slip_speed} m/s: {steps} steps");
+        }
+    }
 }
 
 #[test]

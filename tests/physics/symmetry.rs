@@ -15,9 +15,9 @@ use tumble::trial::TrialStepper;
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, Coin, ContactPoint,
     DormandPrince54, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Gravity, Integrator,
-    Nystrom, Plane, PointCloud, Radau5, Real, RigidPointBody, Rk4, Rod, Sample, SavedSession,
-    SlidingFriction, SmoothCoulomb, SpringDamperGround, State, StepError, StrangSplitting,
-    SymplecticEuler, Trial, UniformGravity,
+    Nystrom, Plane, PointCloud, PointMass, Radau5, Real, RigidPointBody, Rk4, Rod, Sample,
+    SavedSession, SlidingFriction, SmoothCoulomb, SpringDamperGround, State, StepError,
+    StrangSplitting, SymplecticEuler, Trial, UniformGravity,
 };
 
 // -----------------------------------------------------------------------------------------------
@@ -780,6 +780,17 @@ fn an_impulse_that_is_not_finite_is_refused_and_leaves_the_state() {
     session.apply_impulse(DVec3::X, DVec3::Z * 1.5).unwrap();
     assert_eq!(session.state().linear_velocity, DVec3::X);
     assert_eq!(session.state().angular_momentum, DVec3::Y * 0.5);
+}
+
+#[test]
+fn an_impulse_leaves_the_angular_momentum_of_a_point_as_it_is() {
+    let stepper = Stepper::new(PointMass::new(1.0)).unwrap();
+    let mut state = State::default().with_angular_momentum(DVec3::Z);
+    stepper
+        .apply_impulse(&mut state, DVec3::X, DVec3::Y)
+        .unwrap();
+    assert_eq!(state.linear_velocity, DVec3::X);
+    assert_eq!(state.angular_momentum, DVec3::Z);
 }
 
 #[test]

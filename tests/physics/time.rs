@@ -16,10 +16,10 @@ use core::ops::ControlFlow;
 use tumble::glam::DVec3;
 use tumble::real::Vector;
 use tumble::{
-    AdaptiveEnergyMomentum, BogackiShampine32, Cuboid, DormandPrince54, EnergyMomentum, FlatGround,
-    Flight, ForwardEuler, Integrator, Ledger, Nystrom, Observer, PointMass, Real, RigidPointBody,
-    Rk4, Sample, Sphere, State, StepError, StrangSplitting, SymplecticEuler, Timed, Trial,
-    UniformGravity,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Cuboid, DormandPrince54,
+    EnergyMomentum, FlatGround, Flight, ForwardEuler, Integrator, Ledger, Nystrom, Observer,
+    PointMass, Radau5, Real, RigidPointBody, Rk4, Sample, Sphere, State, StepError,
+    StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
 };
 
 fn trial() -> Trial {
@@ -454,7 +454,10 @@ fn every_method_takes_time<R: Real>(body: &dyn RigidPointBody<R>, tolerance: f64
         Nystrom { time_step },
         EnergyMomentum { time_step },
         BogackiShampine32::new(tolerance),
-        DormandPrince54::new(tolerance)
+        DormandPrince54::new(tolerance),
+        AdaptiveNystrom::new(tolerance),
+        AdaptiveEnergyMomentum::new(tolerance),
+        Radau5::new(tolerance)
     );
 }
 

@@ -151,7 +151,7 @@ fn in_a_bowl<R: Real>(scene: &Scene) -> Swing {
             curvatures: [R::from_f64(curvature); 2],
         };
         let mut elevation = tumble::ground::HeightField::elevation(&bowl, x, y);
-        elevation.height = elevation.height + R::from_f64(scene.height);
+        elevation.height += R::from_f64(scene.height);
         elevation
     };
     let ground = Ground {

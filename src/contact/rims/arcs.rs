@@ -226,9 +226,13 @@ fn cut_at_edges<R: Real, G: SpringDamperGround<R>>(
     for [from, to] in ends.pairs() {
         cut.add(from);
         let (mut left, last) = (placed.height(from), placed.height(to));
-        for _ in 0..=POINTS {
+        // The end of an arc along almost the whole rim is also close behind its beginning.
+        let is_end_behind = from[0] * to[1] - from[1] * to[0] < -R::EPSILON;
+        let first_with_end = if is_end_behind { POINTS / 4 } else { 0 };
+        for number in 0..=POINTS {
             let next = turned(left.place, step);
-            let is_last = chord_between(left.place, to) <= R::from_f64(STEP_CHORD);
+            let is_near = chord_between(left.place, to) <= R::from_f64(STEP_CHORD);
+            let is_last = is_near && number >= first_with_end;
             let right = if is_last { last } else { placed.height(next) };
             // This arc still needs an end, and each that follows two.
             let room = MOST_ENDS - (cut.count + 2 * arcs_left - 1).min(MOST_ENDS);

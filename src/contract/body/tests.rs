@@ -312,3 +312,150 @@ fn the_known_ranges_end_next_to_the_ends_of_the_range() {
     ];
     assert_eq!(known_ranges(range(3, 4), 9), expected);
 }
+
+/// A ball whose results are functions of the number of calls of that method.
+struct Fickle {
+    is_symmetric: fn(u32) -> bool,
+    is_smooth: fn(u32) -> bool,
+    /// Addition to the support, m.
+    support: fn(u32) -> f64,
+    /// Factor of the support point.
+    point: fn(u32) -> f64,
+    ends: fn(u32) -> Option<[DVec3; 4]>,
+    calls: [Cell<u32>; 5],
+    contacts: [ContactPoint; 1],
+}
+
+impl Fickle {
+    fn steady() -> Self {
+        Self {
+            is_symmetric: |_| false,
+            is_smooth: |_| false,
+            support: |_| 0.0,
+            point: |_| 1.0,
+            ends: |_| None,
+            calls: Default::default(),
+            contacts: [point(0.0, 0.0, 0.0, 1.0)],
+        }
+    }
+
+    fn before(&self, method: usize) -> u32 {
+        self.calls[method].replace(self.calls[method].get() + 1)
+    }
+}
+
+impl RigidPointBody for Fickle {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::IDENTITY
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.contacts
+    }
+    fn bounding_radius(&self) -> f64 {
+        1.0
+    }
+    fn contacts_below(&self, _: DVec3, _: f64) -> ContactRange {
+        ContactRange::all(1)
+    }
+    fn is_symmetric(&self) -> bool {
+        (self.is_symmetric)(self.before(0))
+    }
+    fn is_smooth(&self) -> bool {
+        (self.is_smooth)(self.before(1))
+    }
+    fn support(&self, _: DVec3) -> f64 {
+        1.0 + (self.support)(self.before(2))
+    }
+    fn support_point(&self, towards: DVec3) -> DVec3 {
+        towards * (self.point)(self.before(3))
+    }
+    fn range_ends(&self, _: ContactRange) -> Option<[DVec3; 4]> {
+        (self.ends)(self.before(4))
+    }
+}
+
+fn told(body: &Fickle) -> Result<(), Requirement> {
+    check_body(body, CheckPlan::default()).map_err(|violation| violation.requirement)
+}
+
+const CHANGED: Result<(), Requirement> = Err(Requirement::Rigid);
+
+/// Each value changes at every call, at every third, or late. So do those of the next tests.
+#[test]
+fn flags_that_change_from_call_to_call_are_told() {
+    assert_eq!(told(&Fickle::steady()), Ok(()));
+    let flags: [fn(u32) -> bool; 3] = [
+        |call| call % 2 == 0,
+        |call| call % 3 == 0,
+        |call| call > 500,
+    ];
+    for flag in flags {
+        let body = Fickle {
+            is_symmetric: flag,
+            ..Fickle::steady()
+        };
+        assert_eq!(told(&body), CHANGED);
+        let body = Fickle {
+            is_smooth: flag,
+            ..Fickle::steady()
+        };
+        assert_eq!(told(&body), CHANGED);
+    }
+}
+
+#[test]
+fn supports_that_change_from_call_to_call_are_told() {
+    // Greater than it must be, which a support function may be.
+    let supports: [fn(u32) -> f64; 3] = [
+        |call| f64::from(call % 2),
+        |call| f64::from(u8::from(call % 3 == 0)),
+        |call| f64::from(u8::from(call > 100)),
+    ];
+    for support in supports {
+        let body = Fickle {
+            support,
+            ..Fickle::steady()
+        };
+        assert_eq!(told(&body), CHANGED);
+    }
+    let smooth = || Fickle {
+        is_smooth: |_| true,
+        ..Fickle::steady()
+    };
+    assert_eq!(told(&smooth()), Ok(()));
+    // So little that it is the farthest point still, to the rounding that is allowed.
+    let points: [fn(u32) -> f64; 3] = [
+        |call| 1.0 - f64::EPSILON * f64::from(call % 2),
+        |call| 1.0 - f64::EPSILON * f64::from(u8::from(call % 3 == 0)),
+        |call| 1.0 - f64::EPSILON * f64::from(u8::from(call > 500)),
+    ];
+    for point in points {
+        let body = Fickle { point, ..smooth() };
+        assert_eq!(told(&body), CHANGED);
+    }
+}
+
+#[test]
+fn ends_of_ranges_that_change_from_call_to_call_are_told() {
+    // Positions that belong to no plane, so that no contact is omitted.
+    let ends: [fn(u32) -> Option<[DVec3; 4]>; 2] = [
+        |call| Some([DVec3::Z * f64::from(call % 2); 4]),
+        |call| (call % 3 == 0).then_some([DVec3::Z; 4]),
+    ];
+    for ends in ends {
+        let body = Fickle {
+            ends,
+            ..Fickle::steady()
+        };
+        assert_eq!(told(&body), CHANGED);
+    }
+    // Positions that are not finite may be the same at every call, too.
+    let body = Fickle {
+        ends: |_| Some([DVec3::NAN; 4]),
+        ..Fickle::steady()
+    };
+    assert_eq!(told(&body), Ok(()));
+}

@@ -3,6 +3,7 @@
 use core::cell::Cell;
 
 use super::*;
+use crate::error::Rule;
 use crate::force::{ForcePower, Wrench};
 use crate::rotation::Rotation;
 use glam::DVec3;
@@ -21,9 +22,9 @@ struct Given {
     wrench: fn(&Motion) -> Wrench,
     power: fn(&Motion) -> ForcePower,
     is_passive: bool,
-    acts: bool,
-    /// Number of calls of the constant part and of the wrench so far.
-    calls: [Cell<u32>; 2],
+    acts: fn(u32) -> bool,
+    /// Number of calls of the constant part, of the wrench and of `acts` so far.
+    calls: [Cell<u32>; 3],
     constant: fn(u32) -> Option<DVec3>,
     /// Force and torque that are added at each call but the first.
     later: Wrench,
@@ -35,7 +36,7 @@ impl Given {
             wrench: |_| Wrench::ZERO,
             power: |_| power(0.0, 0.0),
             is_passive: false,
-            acts: true,
+            acts: |_| true,
             calls: Default::default(),
             constant: |_| None,
             later: Wrench::ZERO,
@@ -64,7 +65,8 @@ impl Force for Given {
         (self.power)(motion)
     }
     fn acts(&self) -> bool {
-        self.acts
+        let before = self.calls[2].replace(self.calls[2].get() + 1);
+        (self.acts)(before)
     }
 }
 
@@ -82,12 +84,7 @@ fn moving() -> Motion {
 }
 
 fn check(force: &Given) -> Check<'_, f64, Given> {
-    Check {
-        force,
-        range: &RANGE,
-        largest: [0.0; 2],
-        is_passive: force.is_passive,
-    }
+    Check::of(force, &RANGE)
 }
 
 fn assert_found(found: Result<(), Violation>, requirement: Requirement, [value, bound]: [f64; 2]) {
@@ -159,7 +156,7 @@ fn a_drag_that_drives_and_a_sum_that_is_not_the_power_are_told_with_the_rounding
 fn force_and_torque_count_where_a_force_does_not_act_or_changes() {
     let force = Given {
         wrench: |motion| along(motion, [2.0, 3.0]),
-        acts: false,
+        acts: |_| false,
         ..Given::none()
     };
     let found = check(&force).motion(&moving());
@@ -213,6 +210,90 @@ fn a_constant_part_that_changes_is_found() {
         ..Given::none()
     };
     assert_eq!(check(&force).constant(), Ok(()));
+}
+
+#[test]
+fn a_constant_part_or_an_acts_that_changes_late_is_found() {
+    let late = Given {
+        constant: |call| Some(DVec3::X * if call < 50 { 1.0 } else { 2.0 }),
+        ..Given::none()
+    };
+    let idle = Given {
+        acts: |call| call < 50,
+        ..Given::none()
+    };
+    let alternating = Given {
+        acts: |call| call % 2 == 0,
+        ..Given::none()
+    };
+    for force in [late, idle, alternating] {
+        let found = check_force(&force, &RANGE, CheckPlan::default());
+        assert_found(found, Requirement::SameBits, [1.0, 0.0]);
+    }
+    let same = Given {
+        constant: |_| Some(DVec3::X),
+        ..Given::none()
+    };
+    assert_eq!(check_force(&same, &RANGE, CheckPlan::default()), Ok(()));
+}
+
+#[test]
+fn the_largest_number_of_cases_does_not_overflow() {
+    let broken = Given {
+        wrench: |_| Wrench::of_force(DVec3::NAN),
+        ..Given::none()
+    };
+    let plan = CheckPlan {
+        seed: 0,
+        cases: u32::MAX,
+    };
+    let violation = check_force(&broken, &RANGE, plan).expect_err("a force that is NaN");
+    assert_eq!(violation.requirement, Requirement::Finite);
+}
+
+#[test]
+fn an_invalid_range_is_told_by_its_quantity_and_a_range_of_one_motion_passes() {
+    let change = |change: fn(&mut ForceRange)| {
+        let mut range = RANGE;
+        change(&mut range);
+        check_force(&Given::none(), &range, CheckPlan::default())
+    };
+    let faults: [(fn(&mut ForceRange), &str, Rule); 5] = [
+        (
+            |range| range.centre.y = f64::NAN,
+            "a component of the centre of the range",
+            Rule::Finite,
+        ),
+        (
+            |range| range.size = -1.0,
+            "size of the range",
+            Rule::AtLeastZero,
+        ),
+        (
+            |range| range.size = f64::INFINITY,
+            "size of the range",
+            Rule::Finite,
+        ),
+        (
+            |range| range.speed = -1.0,
+            "speed of the range",
+            Rule::AtLeastZero,
+        ),
+        (
+            |range| range.angular_speed = f64::NAN,
+            "angular speed of the range",
+            Rule::Finite,
+        ),
+    ];
+    for (fault, quantity, rule) in faults {
+        let violation = change(fault).expect_err(quantity);
+        let requirement = Requirement::Composes { quantity, rule };
+        assert_eq!(violation.requirement, requirement);
+    }
+    let still = |range: &mut ForceRange| {
+        (range.size, range.speed, range.angular_speed) = (0.0, 0.0, 0.0);
+    };
+    assert_eq!(change(still), Ok(()));
 }
 
 #[test]

@@ -1,13 +1,27 @@
 //! The value and the bound that a fault of known size is reported with.
 
 use super::*;
+use crate::error::Rule;
 use crate::friction::{FrictionJacobian, RollingResistance};
-use crate::{Coulomb, WithResistance};
-use glam::DVec3;
+use crate::{AnisotropicCoulomb, Coulomb, SmoothCoulomb, Viscous, WithResistance};
+use glam::{DVec3, Vec3};
 
 const LOAD: f64 = 20.0;
 const SLIP: DVec3 = DVec3::new(3.0, 4.0, 0.0);
 const AT: DVec3 = DVec3::new(1.0, 2.0, 3.0);
+
+const RANGE: FrictionRange = FrictionRange {
+    centre: DVec3::ZERO,
+    size: 1.0,
+    normal: DVec3::Z,
+    normal_force: LOAD,
+    slip: 5.0,
+};
+
+const COULOMB: Coulomb = Coulomb {
+    coefficient: 0.3,
+    slip_speed: 1e-3,
+};
 
 /// A law of which each test gives the parts.
 struct Given {
@@ -137,22 +151,12 @@ fn a_rolling_resistance_is_there_always_or_never() {
     assert_found(found, Requirement::TurningOpposes, [1.0, 0.0]);
 
     let law = WithResistance {
-        friction: Coulomb {
-            coefficient: 0.3,
-            slip_speed: 1e-3,
-        },
+        friction: COULOMB,
         rolling: 0.01,
         spinning: 0.02,
         turn_speed: 0.5,
     };
-    let range = FrictionRange {
-        centre: DVec3::ZERO,
-        size: 1.0,
-        normal: DVec3::Z,
-        normal_force: LOAD,
-        slip: 5.0,
-    };
-    assert_eq!(check_friction(&law, &range, CheckPlan::default()), Ok(()));
+    assert_eq!(check_friction(&law, &RANGE, CheckPlan::default()), Ok(()));
 }
 
 #[test]
@@ -219,4 +223,178 @@ fn a_metric_is_symmetric_and_tells_the_direction_of_the_force() {
     assert_eq!(check([0.5, 0.0, 0.0], [0.0, 0.2, 0.0], false), fault);
     let finite = Err(Requirement::Finite);
     assert_eq!(check([f64::NAN, 0.0, 0.0], [0.0, 0.2, 0.0], true), finite);
+}
+
+#[test]
+fn an_invalid_range_is_told_by_its_quantity() {
+    let faults: [(fn(&mut FrictionRange), &str, Rule); 8] = [
+        (
+            |range| range.centre.x = f64::NAN,
+            "a component of the centre of the range",
+            Rule::Finite,
+        ),
+        (
+            |range| range.size = -0.1,
+            "size of the range",
+            Rule::AtLeastZero,
+        ),
+        (
+            |range| range.normal = DVec3::ZERO,
+            "length of the normal of the range",
+            Rule::AboveZero,
+        ),
+        (
+            |range| range.normal.y = f64::NAN,
+            "a component of the normal of the range",
+            Rule::Finite,
+        ),
+        (
+            |range| range.normal_force = 0.0,
+            "normal force of the range",
+            Rule::AboveZero,
+        ),
+        (
+            |range| range.normal_force = f64::INFINITY,
+            "normal force of the range",
+            Rule::Finite,
+        ),
+        (
+            |range| range.slip = -1.0,
+            "slip of the range",
+            Rule::AboveZero,
+        ),
+        (
+            |range| range.slip = f64::NAN,
+            "slip of the range",
+            Rule::Finite,
+        ),
+    ];
+    for (fault, quantity, rule) in faults {
+        let mut range = RANGE;
+        fault(&mut range);
+        let violation = check_friction(&COULOMB, &range, CheckPlan::default());
+        let requirement = Requirement::Composes { quantity, rule };
+        assert_eq!(violation.expect_err(quantity).requirement, requirement);
+    }
+}
+
+/// The law holds in the plane of the direction alone. In that of another normal its force would
+/// leave the surface.
+#[test]
+fn a_normal_of_any_length_above_0_has_its_direction() {
+    let direction = DVec3::new(0.6, 0.0, 0.8);
+    let law = AnisotropicCoulomb::on(direction, DVec3::Y, [0.2, 0.5], 1e-3);
+    for length in [1e-300, 1e-160, 1.0, 1e160, 1e300] {
+        let normal = direction * length;
+        let range = FrictionRange { normal, ..RANGE };
+        let found = check_friction(&law, &range, CheckPlan::default());
+        assert_eq!(found, Ok(()), "{length:e}");
+    }
+}
+
+/// A force whose size depends on the slip alone, in units of the load.
+struct BySpeed(fn(f64) -> f64);
+
+impl SlidingFriction for BySpeed {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        let size = (self.0)(slip.length());
+        slip.normalize_or_zero() * (-size * normal_force)
+    }
+}
+
+#[test]
+fn a_jump_at_zero_slip_is_found_however_small_it_is() {
+    let jumps: [(fn(f64) -> f64, f64); 4] = [
+        (|_| 0.3, 0.3),
+        (|speed| 0.3 + speed, 0.3),
+        (|speed| 1e-6 + speed / (speed + 1e-3), 1e-6),
+        // A slip speed that keeps the division from 0 alone.
+        (|speed| 0.3 * speed / (speed + f64::MIN_POSITIVE), 0.3),
+    ];
+    for (size, jump) in jumps {
+        let found = check_friction(&BySpeed(size), &RANGE, CheckPlan::default());
+        assert_found(
+            found,
+            Requirement::Continuous,
+            [jump * LOAD, jump * LOAD / 2.0],
+        );
+        let input = found.expect_err("a jump").input;
+        let Input::Slide { slip, .. } = input else {
+            panic!("{input}");
+        };
+        assert!(slip.length() < 1e-150, "{input}");
+    }
+    // Along y alone.
+    let grooves = Given {
+        force: |load, slip| {
+            DVec3::new(-slip.x, -slip.y.signum() * f64::from(slip.y != 0.0), 0.0) * load
+        },
+        ..Given::friction()
+    };
+    let check = check(&grooves);
+    assert_eq!(check.has_no_jump(&RANGE, DVec3::X), Ok(()));
+    let found = check.has_no_jump(&RANGE, DVec3::Y);
+    assert_found(found, Requirement::Continuous, [LOAD, LOAD / 2.0]);
+}
+
+#[test]
+fn a_law_with_a_tiny_slip_speed_has_no_jump() {
+    let laws: [fn(f64) -> f64; 4] = [
+        |speed| 0.3 * (speed / 1e-100).tanh(),
+        |speed| 0.3 * (speed / 1e-12).min(1.0),
+        |speed| speed.powf(0.2),
+        |_| 0.0,
+    ];
+    for size in laws {
+        let law = BySpeed(size);
+        let check = Check {
+            friction: &law,
+            normal: DVec3::Z,
+            position: AT,
+            centre: DVec3::ZERO,
+        };
+        assert_eq!(check.has_no_jump(&RANGE, DVec3::X), Ok(()));
+    }
+    for slip_speed in [1e-12, 1e-30, 1e-100] {
+        let coefficient = 0.3;
+        let coulomb = Coulomb {
+            coefficient,
+            slip_speed,
+        };
+        let found = check_friction(&coulomb, &RANGE, CheckPlan::default());
+        assert_eq!(found, Ok(()), "{slip_speed:e}");
+        let smooth = SmoothCoulomb {
+            coefficient,
+            slip_speed,
+        };
+        let found = check_friction(&smooth, &RANGE, CheckPlan::default());
+        assert_eq!(found, Ok(()), "{slip_speed:e}");
+    }
+    let range = FrictionRange {
+        centre: Vec3::ZERO,
+        size: 1.0,
+        normal: Vec3::Z,
+        normal_force: 20.0,
+        slip: 5.0,
+    };
+    for slip_speed in [1e-10, 1e-12] {
+        let coulomb = Coulomb {
+            coefficient: 0.3_f32,
+            slip_speed,
+        };
+        let found = check_friction(&coulomb, &range, CheckPlan::default());
+        assert_eq!(found, Ok(()), "{slip_speed:e}");
+    }
+    let oil = Viscous { coefficient: 1e-3 };
+    assert_eq!(check_friction(&oil, &range, CheckPlan::default()), Ok(()));
+}
+
+#[test]
+fn no_slip_beyond_the_range_is_tried_for_a_jump() {
+    let range = FrictionRange {
+        slip: 1e-151,
+        ..RANGE
+    };
+    let found = check(&Given::friction()).has_no_jump(&range, DVec3::X);
+    assert_eq!(found, Ok(()));
 }

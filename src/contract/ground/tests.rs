@@ -3,6 +3,7 @@
 use core::cell::Cell;
 
 use super::*;
+use crate::error::Rule;
 use crate::{FlatGround, GroundMotion, MeanForce};
 use glam::DVec3;
 
@@ -434,5 +435,59 @@ fn the_mean_force_of_a_spring_is_that_of_its_path() {
         assert!((found - mean).abs() < 1e-10, "{start} to {end}: {found}");
         // The outermost points of the rule are a little inside.
         assert!(most <= largest + 1e-10 && most > 0.99 * largest, "{most}");
+    }
+}
+
+#[test]
+fn an_invalid_range_is_told_by_its_quantity() {
+    let faults: [(fn(&mut GroundRange), &str, Rule, f64); 6] = [
+        (
+            |range| range.centre.z = f64::INFINITY,
+            "a component of the centre of the range",
+            Rule::Finite,
+            f64::INFINITY,
+        ),
+        (
+            |range| range.size = 0.0,
+            "size of the range",
+            Rule::AboveZero,
+            0.0,
+        ),
+        (
+            |range| range.depth = -0.05,
+            "depth of the range",
+            Rule::AboveZero,
+            -0.05,
+        ),
+        (
+            |range| range.depth = f64::NAN,
+            "depth of the range",
+            Rule::Finite,
+            f64::NAN,
+        ),
+        (
+            |range| range.speed = 0.0,
+            "speed of the range",
+            Rule::AboveZero,
+            0.0,
+        ),
+        (
+            |range| range.speed = f64::INFINITY,
+            "speed of the range",
+            Rule::Finite,
+            f64::INFINITY,
+        ),
+    ];
+    let ground = FlatGround::level(STIFFNESS, 0.5);
+    assert_eq!(check_ground(&ground, &RANGE, CheckPlan::default()), Ok(()));
+    for (fault, quantity, rule, value) in faults {
+        let mut range = RANGE;
+        fault(&mut range);
+        let violation = check_ground(&ground, &range, CheckPlan::default()).expect_err(quantity);
+        let requirement = Requirement::Composes { quantity, rule };
+        assert_eq!(violation.requirement, requirement);
+        assert!(violation.value.total_cmp(&value).is_eq(), "{violation}");
+        let sentence = std::format!("{violation}");
+        assert!(sentence.contains(quantity), "{sentence}");
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::error::{SceneError, StepError};
 use crate::scene::Dynamics;
-use crate::{EnergyMomentum, SymplecticEuler};
+use crate::{CompactEnergyMomentum, EnergyMomentum, Flight, SymplecticEuler};
 use glam::{DQuat, DVec3};
 
 /// `EnergyMomentum` with a fault: a change of the state after a step with a limit (s).
@@ -145,4 +145,81 @@ fn a_path_that_is_not_velocity_times_time_is_found_beyond_the_rounding_of_both()
             limit: time_step
         }
     );
+}
+
+/// A method of a fixed step that states these numbers, whatever the inner one's are.
+struct Stated {
+    inner: SymplecticEuler,
+    order: u32,
+    fixed_step: f64,
+}
+
+impl Integrator for Stated {
+    type Workspace = <SymplecticEuler as Integrator>::Workspace;
+
+    fn step<D: Dynamics>(
+        &self,
+        scene: &D,
+        state: &mut State,
+        limit: f64,
+        workspace: &mut Self::Workspace,
+    ) -> Result<Step, StepError> {
+        self.inner.step(scene, state, limit, workspace)
+    }
+    fn order(&self) -> u32 {
+        self.order
+    }
+    fn fixed_step(&self) -> Option<f64> {
+        Some(self.fixed_step)
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        Ok(())
+    }
+}
+
+/// The first step of closed-form flight is the whole second that it may take.
+#[test]
+fn flight_is_checked_at_the_step_of_the_method_that_it_contains() {
+    let plan = CheckPlan { seed: 4, cases: 20 };
+    for time_step in [1e-6, 1e-4, 1e-3, 0.3] {
+        let own = own_step::<f64, _>(&Flight(Rk4 { time_step }));
+        assert_eq!(own, Ok(time_step));
+        let found = check_integrator(&Flight(Rk4 { time_step }), plan);
+        assert_eq!(found, Ok(()), "{time_step}");
+        let flight = Flight(Stated {
+            inner: SymplecticEuler { time_step },
+            order: 3,
+            fixed_step: time_step,
+        });
+        let violation = check_integrator(&flight, plan).expect_err("the order is 1");
+        assert_eq!(violation.requirement, Requirement::Order, "{violation}");
+    }
+    // A second of free flight is the longest step that is measured.
+    assert_eq!(own_step::<f64, _>(&Rk4 { time_step: 3.0 }), Ok(1.0));
+    let flight = Flight(EnergyMomentum { time_step: 1e-2 });
+    assert_eq!(check_energy_never_rises(&flight, plan), Ok(()));
+}
+
+#[test]
+fn a_fixed_step_that_is_not_above_0_is_told() {
+    for fixed_step in [0.0, -1e-3, f64::NAN] {
+        let method = Stated {
+            inner: SymplecticEuler { time_step: 1e-3 },
+            order: 1,
+            fixed_step,
+        };
+        let violation = check_integrator(&method, CheckPlan::default()).expect_err("no step");
+        let sentence = std::format!("{violation}");
+        assert!(
+            sentence.contains("fixed step of the integrator"),
+            "{sentence}"
+        );
+    }
+}
+
+#[test]
+fn the_energy_never_increases_with_the_compact_method_either() {
+    let plan = CheckPlan { seed: 4, cases: 6 };
+    let compact = CompactEnergyMomentum::<8> { time_step: 1e-2 };
+    assert_eq!(check_energy_never_rises(&compact, plan), Ok(()));
 }

@@ -90,15 +90,12 @@ impl<R: Real> Shape<R> for Block<R> {
     }
 
     fn check(&self) -> Result<(), SceneError> {
-        error::finite(
-            "distance of the block from the origin",
-            self.centre.length(),
-            " m",
-        )?;
-        for half in [self.half.x(), self.half.y(), self.half.z()] {
-            error::above_zero("half of a length of the block", half, " m")?;
-        }
-        Ok(())
+        error::finite("x of the centre of the block", self.centre.x(), " m")?;
+        error::finite("y of the centre of the block", self.centre.y(), " m")?;
+        error::finite("z of the centre of the block", self.centre.z(), " m")?;
+        error::above_zero("half of the x length of the block", self.half.x(), " m")?;
+        error::above_zero("half of the y length of the block", self.half.y(), " m")?;
+        error::above_zero("half of the z length of the block", self.half.z(), " m")
     }
 
     #[inline]

@@ -37,8 +37,8 @@ impl<R: Real> HeightField<R> for Bowl<R> {
 
     fn check(&self) -> Result<(), SceneError> {
         let [along_x, along_y] = self.curvatures;
-        error::finite("curvature of the bowl", along_x, " 1/m")?;
-        error::finite("curvature of the bowl", along_y, " 1/m")
+        error::finite("curvature of the bowl along x", along_x, " 1/m")?;
+        error::finite("curvature of the bowl along y", along_y, " 1/m")
     }
 }
 
@@ -66,7 +66,12 @@ impl<R: Real> HeightField<R> for Ramp<R> {
     #[inline]
     fn elevation(&self, x: R, _y: R) -> Elevation<R> {
         let half = self.slope * R::HALF;
-        let root = (x * x + self.width * self.width).sqrt();
+        // The squares of tiny numbers may underflow. The root is therefore limited from below by
+        // both numbers.
+        let root = (x * x + self.width * self.width)
+            .sqrt()
+            .at_least(self.width)
+            .at_least(x.abs());
         let share = x / root;
         let bend = half * ((R::ONE - share) * (R::ONE + share)) / root;
         let o = R::ZERO;
@@ -92,7 +97,7 @@ impl<R: Real> HeightField<R> for Ramp<R> {
 pub struct Waves<R = f64> {
     /// Height of a crest above the mean level, m.
     pub amplitude: R,
-    /// Wavelength, from crest to crest, m, above 0.
+    /// Wavelength, from crest to crest, m, above 0. The inverse of its square must be finite.
     pub length: R,
 }
 
@@ -118,6 +123,9 @@ impl<R: Real> HeightField<R> for Waves<R> {
 
     fn check(&self) -> Result<(), SceneError> {
         error::finite("amplitude of the waves", self.amplitude, " m")?;
-        error::above_zero("length of the waves", self.length, " m")
+        error::above_zero("length of the waves", self.length, " m")?;
+        // The curvature is proportional to the inverse of the square.
+        let square = self.length * self.length;
+        error::finite_inverse("square of the length of the waves", square, " m²")
     }
 }

@@ -156,8 +156,10 @@ pub struct Workspace<R: Real = f64> {
 struct Rest<R: Real>(Option<(R, State<R>)>);
 
 impl<R: Real> Rest<R> {
-    fn after([start, end]: [&State<R>; 2], seconds: R) -> Self {
-        Self((start == end).then_some((seconds, *start)))
+    /// Notes a step that leaves the state unchanged, if the comparison step has left it unchanged
+    /// too: any other error changes the size of the next step.
+    fn after([start, end]: [&State<R>; 2], seconds: R, error: R) -> Self {
+        Self((start == end && error == R::ZERO).then_some((seconds, *start)))
     }
 
     /// Returns true if a step of this length is known to leave this state unchanged.
@@ -209,7 +211,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
                     let error = doubled.relative_error();
                     if error <= R::ONE {
                         control.accept(ROOTS, &trial, seconds, error);
-                        workspace.rest = Rest::after([state, &doubled.end], seconds);
+                        workspace.rest = Rest::after([state, &doubled.end], seconds, error);
                         *state = doubled.end;
                         return Ok(doubled.step);
                     }

@@ -27,7 +27,8 @@ use crate::state::State;
 /// neither friction nor springs, and is exact at any step size. For an error of a centimetre after
 /// a second, it has the lowest cost ([choosing](crate::guide::choosing)).
 ///
-/// *May add energy* by O(dt²).
+/// *May add energy* by O(dt²). A force that rotates the velocity at a rate ω, such as
+/// [lift](crate::SpinLift), multiplies the velocity by `√(1 + (dt ω)⁴/4)` in each step.
 ///
 /// *Limits.* ω and δ are the highest frequency and damping rate that the contacts give the body at
 /// their arms (see [integrators](crate#integrators)). μ is the coefficient of friction and g is

@@ -77,10 +77,15 @@ impl<R: Real> Attempt<R> {
         }
     }
 
-    /// Returns the error relative to the allowed error.
+    /// Returns the error relative to the allowed error, which may underflow to 0.
     #[inline]
     pub(super) fn relative_error(&self) -> R {
-        self.errors.total() / self.allowed
+        let error = self.errors.total();
+        if error == R::ZERO {
+            R::ZERO
+        } else {
+            error / self.allowed
+        }
     }
 }
 

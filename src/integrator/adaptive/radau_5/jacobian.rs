@@ -20,7 +20,8 @@
 //! ```
 //! `M ϑ` is the displacement of r by a rotation. `k` and `c` are the derivatives of the normal
 //! force with respect to depth and closing speed, `f` is the derivative of friction with respect to
-//! the normal force, and `D` that with respect to the slip.
+//! the normal force, and `D` that with respect to the slip. On ground that turns at Ω, the velocity
+//! of the ground below the contact changes by `Ω × (ξ + M ϑ)`, which the slip does not contain.
 //!
 //! [`Curved`] ground adds what follows from the rotation of the normal.
 //!
@@ -109,6 +110,13 @@ impl<R: Real> Part<R> {
         velocity: Matrix3::ZERO,
         spin: Matrix3::ZERO,
     };
+
+    fn add(&mut self, other: &Self) {
+        self.shift = self.shift.plus(&other.shift);
+        self.turn = self.turn.plus(&other.turn);
+        self.velocity = self.velocity.plus(&other.velocity);
+        self.spin = self.spin.plus(&other.spin);
+    }
 }
 
 /// Derivatives of the load of all contacts.
@@ -126,13 +134,20 @@ impl<R: Real> Derivatives<R> {
             width: R::MAX,
         };
         let seen = scene.contact_model().seen(motion);
+        let table = motion.angular_velocity - seen.angular_velocity;
         scene.visit_contacts(motion, |contact| {
-            sum.add(scene, &seen, contact);
+            sum.add(scene, (&seen, table), contact);
         });
         sum
     }
 
-    fn add<D: Dynamics<R>>(&mut self, scene: &D, motion: &Motion<R>, contact: &Contact<R>) {
+    /// Adds a contact, with the motion as the ground sees it and the angular velocity of the ground.
+    fn add<D: Dynamics<R>>(
+        &mut self,
+        scene: &D,
+        (motion, table): (&Motion<R>, R::Vec3),
+        contact: &Contact<R>,
+    ) {
         let (arm, spin) = (contact.arm, motion.angular_velocity);
         let noise = rounding_of_slip(scene, motion);
         let ([by_path, by_velocity], width) = scene.probe(|| by_motion(scene, contact, noise));
@@ -146,6 +161,11 @@ impl<R: Real> Derivatives<R> {
             velocity: by_velocity,
             spin: by_velocity.times_matrix(&Matrix3::hat(-arm)),
         };
+        if table != R::Vec3::ZERO {
+            // A shift brings the contact to where the ground has another velocity.
+            let carried = by_velocity.times_matrix(&Matrix3::hat(-table));
+            force.shift = force.shift.plus(&carried);
+        }
         let loaded = contact.force(scene.ground(), scene.friction());
         let curved = Curved::at(scene, contact, &moved);
         if let Some(curved) = &curved {
@@ -168,11 +188,7 @@ impl<R: Real> Derivatives<R> {
         torque.velocity = torque.velocity.plus(&force.velocity.crossed_by(arm));
         let resistance = by_turning(scene, contact, spin);
         torque.spin = (torque.spin.plus(&force.spin.crossed_by(arm))).plus(&resistance);
-        let sum = &mut self.force;
-        sum.shift = sum.shift.plus(&force.shift);
-        sum.turn = sum.turn.plus(&force.turn);
-        sum.velocity = sum.velocity.plus(&force.velocity);
-        sum.spin = sum.spin.plus(&force.spin);
+        self.force.add(&force);
     }
 }
 
