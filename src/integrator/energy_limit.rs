@@ -162,8 +162,7 @@ fn hold_down<R: Real, D: Dynamics<R>>(
 /// Returns the end of a step at a turning point in contact, a little further downhill, where its
 /// energy is at most `ceiling` (J).
 ///
-/// In double precision the end has less than one unit of energy too much only in steps that are
-/// shorter than any of use.
+/// In double precision no step of a useful length gains less energy than its rounding there.
 fn turned<R: Real, D: Dynamics<R>>(
     scene: &D,
     ceiling: R,

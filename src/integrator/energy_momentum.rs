@@ -17,7 +17,8 @@
 //! 4. `energy_limit`: a correction if the computed energy exceeds the energy before the step. In
 //!    flight, the rounding is corrected in the last places of the orientation, the height or the
 //!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no
-//!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest.
+//!    longer exceeds it. A body whose motion is below the rounding of its energy comes to rest. In
+//!    single precision one at a turning point of its motion moves on (`energy_limit/equilibrium`).
 //! 5. Fallbacks if stage 2 or 4 fails. The first is `split` (dissipation, conservative motion,
 //!    dissipation; `turning`: resistance to rolling and spinning), in which the springs harden in
 //!    stages if necessary (`soften`). The second is a divided step, down to sixteenths. The third
