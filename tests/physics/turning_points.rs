@@ -6,11 +6,12 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use crate::kit::erased::Stepper;
 use tumble::ground::{Bowl, Plane, SpringDamper, Terrain};
 use tumble::real::{Real, Vector};
 use tumble::{
     Coulomb, EnergyMomentum, FlatGround, Ground, MassProperties, Rotation, Sphere,
-    SpringDamperGround, State, Stepper, UniformGravity,
+    SpringDamperGround, State, UniformGravity,
 };
 
 /// Multiples of which the fractional parts are the numbers of a scene.
@@ -84,11 +85,11 @@ struct Swing {
 }
 
 /// Runs a body. `energy` is that of its motion, J.
-fn run<R: Real, G: SpringDamperGround<R>>(
+fn run<R: Real>(
     scene: &Scene,
     body: Sphere<R>,
-    ground: G,
-    start: impl Fn(&Sphere<R>) -> State<R>,
+    ground: impl SpringDamperGround<R>,
+    start: State<R>,
     energy: f64,
 ) -> Swing {
     let real = R::from_f64;
@@ -104,7 +105,6 @@ fn run<R: Real, G: SpringDamperGround<R>>(
         })
         .build()
         .unwrap();
-    let start = start(stepper.body());
     let (mut session, mut last) = (stepper.session(start), start.position.x());
     let (mut turns, mut forward, mut steps) = (0, None, 0);
     let energy_of = |state: &State<R>| stepper.energy(state).total().to_f64();
@@ -167,13 +167,7 @@ fn in_a_bowl<R: Real>(scene: &Scene) -> Swing {
         scene.height + way + out * tilt.cos(),
     ];
     let energy = scene.mass * GRAVITY * (way - scene.radius * (1.0 - tilt.cos()));
-    run(
-        scene,
-        body,
-        ground,
-        |_| State::at(vector::<R>(centre)),
-        energy,
-    )
+    run(scene, body, ground, State::at(vector::<R>(centre)), energy)
 }
 
 /// A ball that rolls up a slope, turns, and rolls down.
@@ -188,11 +182,9 @@ fn up_a_slope<R: Real>(scene: &Scene) -> Swing {
     let body = Sphere::solid(R::from_f64(scene.mass), R::from_f64(scene.radius));
     let uphill = vector::<R>([tilt.cos() * speed, 0.0, tilt.sin() * speed]);
     let momentum = 0.4 * scene.mass * scene.radius * speed;
-    let start = |_: &Sphere<R>| {
-        State::at(point + normal * R::from_f64(scene.radius * (1.0 - scene.depth)))
-            .with_linear_velocity(uphill)
-            .with_angular_momentum(vector::<R>([0.0, momentum, 0.0]))
-    };
+    let start = State::at(point + normal * R::from_f64(scene.radius * (1.0 - scene.depth)))
+        .with_linear_velocity(uphill)
+        .with_angular_momentum(vector::<R>([0.0, momentum, 0.0]));
     run(scene, body, ground, start, 0.7 * scene.mass * speed * speed)
 }
 
@@ -208,12 +200,10 @@ fn rocking<R: Real>(scene: &Scene) -> Swing {
     let ground = FlatGround::level(law.stiffness, law.damping).on(plane);
     let turned = Rotation::<R>::from_rotation_vector(vector::<R>([0.0, scene.slope * 5.0, 0.0]));
     let middle = vector::<R>([0.0, 0.0, scene.height + scene.radius * (1.0 - scene.depth)]);
-    let start = |body: &Sphere<R>| {
-        let state = State::at(R::Vec3::ZERO).with_orientation(turned.to_quat());
-        State {
-            position: middle - state.world_point(body.middle()),
-            ..state
-        }
+    let state = State::at(R::Vec3::ZERO).with_orientation(turned.to_quat());
+    let start = State {
+        position: middle - state.world_point(body.middle()),
+        ..state
     };
     let energy = scene.mass * GRAVITY * offset * (1.0 - (scene.slope * 5.0).cos());
     run(scene, body, ground, start, energy)
