@@ -335,7 +335,7 @@ where
     #[inline]
     pub fn advance(&mut self, seconds: R) -> Result<(), StepError> {
         match &self.rest.advance {
-            Some((known, counts)) if *known == seconds => {
+            Some((known, counts)) if *known == seconds && self.clock.resolves(seconds) => {
                 self.clock.add(counts);
                 Ok(())
             }

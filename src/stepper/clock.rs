@@ -224,10 +224,16 @@ impl<R: Real> Clock<R> {
         self.tick(step).inspect_err(|_| *state = *before)
     }
 
+    /// Returns true if the clock does not overflow before `seconds` have passed.
+    #[inline]
+    pub(crate) fn resolves(&self, seconds: R) -> bool {
+        (self.time + seconds).is_finite()
+    }
+
     /// Returns [`StepError::BadDuration`] if the clock would overflow before `seconds` have passed.
     pub(crate) fn check_duration(&self, seconds: R) -> Result<(), StepError> {
         check_duration(seconds)?;
-        if (self.time + seconds).is_finite() {
+        if self.resolves(seconds) {
             return Ok(());
         }
         Err(StepError::BadDuration {
