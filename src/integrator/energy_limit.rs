@@ -356,9 +356,10 @@ pub(in crate::integrator) fn has_come_to_rest<R: Real, D: Dynamics<R>>(
     let balanced = end.linear_velocity.length() * mass <= impulse
         && end.angular_momentum.length() <= impulse * bounding_radius;
     let is_dying_out = last <= first && first > R::ZERO;
-    (is_dying_out || balanced)
-        && is_supported(scene, end)
-        && descent(scene, end, rounding_of(before, after)).is_none()
+    // The limiter has stopped a body that does not move, and found no descent.
+    let moves = end.linear_velocity != R::Vec3::ZERO || end.angular_momentum != R::Vec3::ZERO;
+    let leaves = || moves && descent(scene, end, rounding_of(before, after)).is_some();
+    (is_dying_out || balanced) && is_supported(scene, end) && !leaves()
 }
 
 /// Returns the rounding error of the sum of the terms of two energies, J.
