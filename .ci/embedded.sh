@@ -17,8 +17,8 @@ command -v qemu-system-riscv32 >/dev/null || cross_install "$work" qemu-system-m
 programs=(
   'symplectic_euler_f32 21504 4096'
   'symplectic_euler_f64 48128 6144'
-  'energy_momentum_f32 92160 4480'
-  'compact_energy_momentum_f32 92160 5888'
+  'energy_momentum_f32 93184 4608'
+  'compact_energy_momentum_f32 93184 6144'
   'energy_momentum_f64 147456 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
