@@ -280,7 +280,7 @@ pub enum StepError {
         "a step must take more than 0 s, and long enough for the clock of the run to resolve it"
     )]
     Stalled,
-    /// The time to advance by is negative or not finite, or the clock of the session would overflow.
+    /// The time to advance by is negative or not finite, or the session's clock would overflow.
     #[error(
         "the time to advance by must be at least 0 s and end at a finite time, got {} s",
         Readable(*seconds)

@@ -414,8 +414,8 @@ where
     ///   friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness
     ///   along the normal. With [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long
     ///   because of friction.
-    /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, counts as a
-    ///   damper of that rate. This is right for [`Rk4`](crate::Rk4) and
+    /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, counts as
+    ///   a damper of that rate. This is right for [`Rk4`](crate::Rk4) and
     ///   [`Nystrom`](crate::Nystrom). The other explicit methods have no stable step under such a
     ///   force: in each step of size h, [`ForwardEuler`](crate::ForwardEuler) and
     ///   [`SymplecticEuler`](crate::SymplecticEuler) multiply the velocity by `√(1 + (h ω)²)`, and

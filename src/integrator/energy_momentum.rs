@@ -120,7 +120,7 @@ pub use workspace::Workspace;
 ///   steps, a bounce without dampers still conserves its energy, but its timing is wrong. A bounce
 ///   with dampers has the wrong restitution. Friction that stops a body within a step stops it at
 ///   the end of the step. [`guide::accuracy`](crate::guide::accuracy) describes the extremes. Under
-///   an applied force it is accurate if the step resolves that too, `dt < m/c` for a drag of `c` per
+///   an applied force it is accurate if the step resolves that too: `dt < m/c` for a drag `c` per
 ///   speed. With a longer step a sinking body has the wrong speed.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
@@ -171,9 +171,9 @@ pub use workspace::Workspace;
 ///   origin, where the step resolves the contact. A swing ends after as many steps as its energy
 ///   has such units. So take no shorter steps than the motion needs, and an origin near the ground.
 ///   A swing with less than 128 units, at `0.1 √(g/size)`, ends at once; a faster one has a smaller
-///   bound. A [`PointMass`](crate::PointMass), and a body on ground that moves or under a drive, can
-///   stop at a turning point for good, at steps below `√(128 ε E/m)/a` with the energy E and the
-///   acceleration a there.
+///   bound. A [`PointMass`](crate::PointMass), a body on ground that moves and a body under a drive
+///   can stop at a turning point for good, at steps below `√(128 ε E/m)/a` with the energy E and
+///   the acceleration a there.
 /// - *Resistance to rolling and spinning* is linear where the angular speed and the turn speed
 ///   together are below 5e-4 of the body's angular speed, or below 8e-6 of the one that the weight
 ///   gives it in a step (`f64`: 1e-12 and 1.4e-14).

@@ -141,7 +141,7 @@ impl<R: Real> Derivatives<R> {
         sum
     }
 
-    /// Adds a contact, with the motion as the ground sees it and the angular velocity of the ground.
+    /// Adds a contact, with the motion as the ground sees it and the ground's angular velocity.
     fn add<D: Dynamics<R>>(
         &mut self,
         scene: &D,
