@@ -21,8 +21,8 @@ use crate::state::State;
 /// microcontrollers. The rotation in flight is exact to rounding, for any moments of inertia.
 ///
 /// *May add energy.* Without dampers, friction and applied forces the energy oscillates by O(dt)
-/// and does not grow. A force that rotates the velocity at a rate ω, such as [lift](crate::SpinLift),
-/// multiplies the velocity by `√(1 + (dt ω)²)` in each step.
+/// and does not grow. A force that rotates the velocity at a rate ω, such as
+/// [lift](crate::SpinLift), multiplies the velocity by `√(1 + (dt ω)²)` in each step.
 ///
 /// *Stable* for `dt < 2 (√(1+ζ²) - ζ)/ω` with `ζ = δ/2ω`. Here ω and δ are the highest frequency
 /// and damping rate that the contacts give the body at their arms (see
