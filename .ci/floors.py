@@ -56,7 +56,7 @@ STAGES = {
     r"|/contacts\.rs .*(gather|thin_out|evenly_spaced|includes|clear)",
     "forces": r"/src/(contact|ground|friction)/|/src/(ground|friction)\.rs|/contact_path\.rs"
     r"|/energy_momentum/(touch|answer|dual|lever)\.rs|/nystrom/crossing\.rs|/newton\.rs .*Sum<|/contacts\.rs .*respond",
-    "matrix": r"/energy_momentum/(stiffness|level|linear)\.rs",
+    "matrix": r"/energy_momentum/(stiffness|level)\.rs|/integrator/linear\.rs",
     "rotation": r"/src/(rotation|inertia|free_rotation/\w+)\.rs",
     "tests": r"/state\.rs .*(::eq|not_finite)|/end_velocity\.rs .*(of_step|is_resolved)"
     r"|/newton\.rs .*(::norm|Scale<|::is_|::has_|loads_agree|size_of_motion|remember|choose_unknowns)",
