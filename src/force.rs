@@ -67,7 +67,7 @@ use crate::state::Motion;
 /// *Limits:* the force depends on the state alone, so a thrust that is switched on and off is two
 /// scenes. An explicit method needs a step below about `2 m/c` for a linear drag `c`:
 /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit of any
-/// force at a state.
+/// force at a state. [`Radau5`](crate::Radau5) has no such limit.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an applied force: it does not implement `Force<{R}>`",
     label = "this should be an applied force",

@@ -1,6 +1,7 @@
 //! Body, ground, friction, gravity and applied force together, checked once.
 
 mod diagnosed;
+mod force_derivatives;
 mod inspected;
 mod limited;
 mod on_surface;
@@ -10,6 +11,7 @@ mod screened;
 mod torque_free;
 
 pub(crate) use diagnosed::{DiagnosedScene, Record};
+pub(crate) use force_derivatives::ForceDerivatives;
 pub(crate) use limited::{FrictionLimit, LimitedScene, Stiffest};
 pub(crate) use on_surface::OnSurface;
 pub(crate) use screened::{Alarm, ScreenedScene};

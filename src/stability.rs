@@ -55,8 +55,7 @@ use crate::force::{Force, Wrench};
 use crate::friction::{FrictionJacobian, Metric, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::rotation::Rotation;
-use crate::scene::{Dynamics, size};
+use crate::scene::{Dynamics, ForceDerivatives, size};
 use crate::state::State;
 
 /// Longest stable step of a method at a state, s, from its scalar `limit(κ, δ)`, s. `None` if there
@@ -159,7 +158,7 @@ impl<R: Real> Response<R> {
             }
         });
         if scene.force().acts() {
-            response.add_applied_force(&frame, state);
+            response.add_applied_force(&frame);
         }
         response.damping.add(&response.friction);
         response.mean_ratio = if damping > R::ZERO {
@@ -241,10 +240,11 @@ impl<R: Real> Response<R> {
     }
 
     /// Adds the stiffness and the damping of the applied force.
-    fn add_applied_force<D: Dynamics<R>>(&mut self, frame: &Frame<'_, R, D>, state: &State<R>) {
-        for (index, column) in frame.columns().into_iter().enumerate() {
-            let per_speed = frame.change_of_motion(column);
-            let per_path = frame.change_of_pose(state, column);
+    fn add_applied_force<D: Dynamics<R>>(&mut self, frame: &Frame<'_, R, D>) {
+        let force = ForceDerivatives::at(frame.scene, frame.motion);
+        for (index, [shift, turn]) in frame.columns().into_iter().enumerate() {
+            let per_speed = force.along_velocity(shift, turn);
+            let per_path = force.along_path(shift, turn);
             for (matrix, change) in [
                 (&mut self.applied, per_speed),
                 (&mut self.stiffness, per_path),
@@ -429,54 +429,6 @@ impl<R: Real, D: Dynamics<R>> Frame<'_, R, D> {
             [none, b],
             [none, c],
         ]
-    }
-
-    /// Derivative of the applied force along a translation and a rotation of the body.
-    fn change_of_pose(&self, state: &State<R>, [path, turn]: [R::Vec3; 2]) -> Wrench<R> {
-        // The rounding of a place depends on the place, that of an angle does not.
-        let distance = if path == R::Vec3::ZERO {
-            R::ZERO
-        } else {
-            state.position.length()
-        };
-        self.derivative(self.length + distance, |by| {
-            let rotation = Rotation::from_rotation_vector(turn * by).after(state.rotation());
-            self.scene.force().wrench(&Motion {
-                position: state.position + path * by,
-                axes: rotation.axes(),
-                ..*self.motion
-            })
-        })
-    }
-
-    /// Derivative of the applied force along a linear and an angular velocity of the body.
-    ///
-    /// The unit of speed is that of the body, plus the one that the force gives it within its size.
-    /// Without the latter, rounding of the force hides the damping of a body at rest.
-    fn change_of_motion(&self, [velocity, spin]: [R::Vec3; 2]) -> Wrench<R> {
-        let (motion, force) = (self.motion, self.scene.force());
-        let wrench = force.wrench(motion);
-        let [x, y, z, a, b, c] = self.acceleration(wrench.force, wrench.torque);
-        let pushed = R::Vec3::new(x, y, z).length() + R::Vec3::new(a, b, c).length();
-        let speed =
-            motion.linear_velocity.length() + motion.angular_velocity.length() * self.length;
-        self.derivative(speed + (pushed * self.length).sqrt(), |by| {
-            force.wrench(&Motion {
-                linear_velocity: motion.linear_velocity + velocity * by,
-                angular_velocity: motion.angular_velocity + spin * by,
-                ..*motion
-            })
-        })
-    }
-
-    /// Derivative of a wrench by a central difference, whose width is that of [`slopes`] for this
-    /// unit of the argument, or for 1 if that is 0.
-    fn derivative(&self, unit: R, at: impl Fn(R) -> Wrench<R>) -> Wrench<R> {
-        let root = R::EPSILON.sqrt();
-        let unit = if unit > R::ZERO { unit } else { R::ONE };
-        let nudge = (root * root.sqrt()).sqrt() * unit;
-        let difference = at(nudge).plus(&at(-nudge), -R::ONE);
-        Wrench::ZERO.plus(&difference, R::ONE / (nudge + nudge))
     }
 }
 

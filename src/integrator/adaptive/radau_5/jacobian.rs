@@ -25,16 +25,19 @@
 //!
 //! [`Curved`] ground adds what follows from the rotation of the normal.
 //!
-//! The Jacobian only steers the iteration. So it leaves out what is not stiff: applied forces.
+//! An applied force with the wrench W adds `∂W/∂ξ`, `∂W/∂ϑ`, `∂W/∂v` and `∂W/∂ω`, by differences.
+//!
+//! The Jacobian only steers the iteration: an error in it costs iterations, not accuracy.
 
 use super::curvature::Curved;
 use super::linear::Rows;
 use crate::contact::{Contact, Motion};
+use crate::force::{Force, Wrench};
 use crate::friction::{FrictionJacobian, Metric, SlidingFriction};
 use crate::ground::SpringDamperGround;
 use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, size};
+use crate::scene::{Dynamics, ForceDerivatives, size};
 
 /// The Jacobian, by its blocks that are not 0 or 1. The rates of the velocities are six rows, those
 /// of v and of L.
@@ -60,7 +63,10 @@ impl<R: Real> Jacobian<R> {
         motion: &Motion<R>,
         angular_momentum: R::Vec3,
     ) -> Self {
-        let load = Derivatives::of_contacts(scene, motion);
+        let mut load = Derivatives::of_contacts(scene, motion);
+        if scene.force().acts() {
+            scene.probe(|| load.add_applied_force(&ForceDerivatives::at(scene, motion)));
+        }
         let properties = scene.inertia_properties();
         let inverse = of_columns(|axis| properties.angular_velocity(&motion.axes, axis));
         // Derivative of the angular velocity with respect to a rotation.
@@ -119,7 +125,7 @@ impl<R: Real> Part<R> {
     }
 }
 
-/// Derivatives of the load of all contacts.
+/// Derivatives of the load of all contacts and of the applied force.
 struct Derivatives<R: Real> {
     force: Part<R>,
     torque: Part<R>,
@@ -189,6 +195,31 @@ impl<R: Real> Derivatives<R> {
         let resistance = by_turning(scene, contact, spin);
         torque.spin = (torque.spin.plus(&force.spin.crossed_by(arm))).plus(&resistance);
         self.force.add(&force);
+    }
+
+    fn add_applied_force<D: Dynamics<R>>(&mut self, applied: &ForceDerivatives<'_, R, D>) {
+        let none = R::Vec3::ZERO;
+        let columns = [
+            images::<R, _>(|axis| applied.along_path(axis, none)),
+            images::<R, _>(|axis| applied.along_path(none, axis)),
+            images::<R, _>(|axis| applied.along_velocity(axis, none)),
+            images::<R, _>(|axis| applied.along_velocity(none, axis)),
+        ];
+        let part = |of: fn(&Wrench<R>) -> R::Vec3| {
+            let [shift, turn, velocity, spin] = (columns.each_ref()).map(|[x, y, z]| Matrix3 {
+                x: of(x),
+                y: of(y),
+                z: of(z),
+            });
+            Part {
+                shift,
+                turn,
+                velocity,
+                spin,
+            }
+        };
+        self.force.add(&part(|wrench| wrench.force));
+        self.torque.add(&part(|wrench| wrench.torque));
     }
 }
 
@@ -312,14 +343,20 @@ fn by_turning<R: Real, D: Dynamics<R>>(
         .scaled(contact.weight)
 }
 
+/// Images of the three axes.
+fn images<R: Real, T>(image: impl Fn(R::Vec3) -> T) -> [T; 3] {
+    let (o, i) = (R::ZERO, R::ONE);
+    [
+        image(R::Vec3::new(i, o, o)),
+        image(R::Vec3::new(o, i, o)),
+        image(R::Vec3::new(o, o, i)),
+    ]
+}
+
 /// Matrix whose columns are the images of the three axes.
 fn of_columns<R: Real>(image: impl Fn(R::Vec3) -> R::Vec3) -> Matrix3<R> {
-    let (o, i) = (R::ZERO, R::ONE);
-    Matrix3 {
-        x: image(R::Vec3::new(i, o, o)),
-        y: image(R::Vec3::new(o, i, o)),
-        z: image(R::Vec3::new(o, o, i)),
-    }
+    let [x, y, z] = images::<R, _>(image);
+    Matrix3 { x, y, z }
 }
 
 fn rows<R: Real>(block: &Matrix3<R>) -> Rows<R, 3, 3> {
