@@ -197,8 +197,18 @@ pub enum StepError {
     /// The state before the step contains a NaN or an infinity, or an invalid orientation. An
     /// orientation is invalid if its length is 0, or so near to 0 or infinity that the square of
     /// the length is 0 or infinite.
-    #[error("the {0} before the step must be finite{nor_zero}", nor_zero = if_orientation(*.0))]
-    BadState(Quantity),
+    #[error(
+        "the {quantity} before the step must be finite{}, got {value}{}",
+        if_orientation(*.quantity),
+        .quantity.unit()
+    )]
+    BadState {
+        /// The invalid quantity.
+        quantity: Quantity,
+        /// Its first component that is not finite, or the length of an orientation, in the SI unit
+        /// of the quantity.
+        value: f64,
+    },
     /// The applied force changes so fast with the velocities that no part of the step could be
     /// solved. An example is a lift that would turn the velocity by a thousand radians in a step, or
     /// by tens of radians if the body is a needle whose smallest moment is 1e-12 of the largest.
@@ -385,6 +395,18 @@ pub enum Quantity {
     Orientation,
     /// Angular momentum about the centre of mass.
     AngularMomentum,
+}
+
+impl Quantity {
+    /// Unit, with a space before it. Empty for an orientation.
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::Position => " m",
+            Self::LinearVelocity => " m/s",
+            Self::Orientation => "",
+            Self::AngularMomentum => " kg m²/s",
+        }
+    }
 }
 
 impl core::fmt::Display for Quantity {

@@ -291,7 +291,8 @@ where
             return self.step_up_to(limit);
         }
         let error = if limit == R::ZERO {
-            self.state.not_finite().map(StepError::BadState)
+            let quantity = self.state.not_finite();
+            quantity.map(|quantity| self.state.error_of(quantity))
         } else {
             Some(StepError::BadLimit {
                 seconds: limit.to_f64(),

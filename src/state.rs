@@ -4,7 +4,7 @@ mod motion;
 
 pub use motion::Motion;
 
-use crate::error::Quantity;
+use crate::error::{Quantity, StepError};
 use crate::real::{Quaternion, Real, Vector};
 use crate::rotation::Rotation;
 
@@ -137,6 +137,36 @@ impl<R: Real> State<R> {
             Some(Quantity::AngularMomentum)
         } else {
             None
+        }
+    }
+
+    /// Checks that a step can begin with this state.
+    #[inline]
+    pub(crate) fn check(&self) -> Result<(), StepError> {
+        match self.not_finite() {
+            Some(quantity) => Err(self.error_of(quantity)),
+            None if self.rotation().is_a_turn() => Ok(()),
+            None => Err(self.error_of(Quantity::Orientation)),
+        }
+    }
+
+    /// Error of a step from a state with this invalid quantity.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn error_of(&self, quantity: Quantity) -> StepError {
+        let [x, y, z, w] = self.orientation.xyzw();
+        let length = (x * x + y * y + (z * z + w * w)).sqrt();
+        let parts = |vector: R::Vec3| [vector.x(), vector.y(), vector.z(), length];
+        let components = match quantity {
+            Quantity::Position => parts(self.position),
+            Quantity::LinearVelocity => parts(self.linear_velocity),
+            Quantity::Orientation => [x, y, z, w],
+            Quantity::AngularMomentum => parts(self.angular_momentum),
+        };
+        let invalid = components.into_iter().find(|value| !value.is_finite());
+        StepError::BadState {
+            quantity,
+            value: invalid.unwrap_or(length).to_f64(),
         }
     }
 }

@@ -289,7 +289,7 @@ where
         point: R::Vec3,
     ) -> Result<(), StepError> {
         if let Some(quantity) = state.not_finite() {
-            return Err(StepError::BadState(quantity));
+            return Err(state.error_of(quantity));
         }
         let finite = |quantity, value: R| {
             let value = value.to_f64();

@@ -102,7 +102,7 @@ impl From<SceneError> for TossError {
 impl From<StepError> for TossError {
     fn from(error: StepError) -> Self {
         let kind = match error {
-            StepError::BadState(_) => "invalid state",
+            StepError::BadState { .. } => "invalid state",
             StepError::Diverged(_) => "diverged",
             StepError::BrokenLaw { .. } => "broken law",
             StepError::StepTooShort { .. } => "step too short",

@@ -319,7 +319,7 @@ fn step<R: Real, D: Dynamics<R>>(
     let is_a_turn =
         Rotation::<R>::unscaled(state.orientation).is_a_turn() || state.rotation().is_a_turn();
     if !is_a_turn {
-        return Err(StepError::BadState(Quantity::Orientation));
+        return Err(state.error_of(Quantity::Orientation));
     }
     move_on(scene, state, dt, (contacts, memory))
 }

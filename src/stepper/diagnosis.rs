@@ -51,7 +51,9 @@ where
             (None, Ok(_), Some(quantity)) => blame(before, quantity),
             // An invalid state can also cause an error of the energy, so the state is checked
             // first.
-            (None, Err(error), _) => before.not_finite().map_or(error, StepError::BadState),
+            (None, Err(error), _) => {
+                (before.not_finite()).map_or(error, |quantity| before.error_of(quantity))
+            }
         };
         *state = *before;
         Err(error)
@@ -98,14 +100,7 @@ const MOST_EVALUATIONS: u32 = 2048;
 /// invalid, else [`StepError::Diverged`].
 #[cold]
 fn blame<R: Real>(before: &State<R>, after: Quantity) -> StepError {
-    if let Some(quantity) = before.not_finite() {
-        return StepError::BadState(quantity);
-    }
-    if before.rotation().is_a_turn() {
-        StepError::Diverged(after)
-    } else {
-        StepError::BadState(Quantity::Orientation)
-    }
+    before.check().err().unwrap_or(StepError::Diverged(after))
 }
 
 /// Error for the value that broke the contract of a law during a step from the state `before`.

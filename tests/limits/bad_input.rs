@@ -1589,7 +1589,10 @@ fn a_knob_of_a_trials_first_state_that_cannot_be_is_answered_by_the_first_step()
             },
         ] {
             let answer = stepper.step(&mut bad.state());
-            assert!(matches!(answer, Err(StepError::BadState(_))), "{answer:?}");
+            assert!(
+                matches!(answer, Err(StepError::BadState { .. })),
+                "{answer:?}"
+            );
         }
     }
 }
@@ -1652,27 +1655,32 @@ fn a_state_that_is_no_number_is_named_and_left_as_it_is() {
         for value in NOT_FINITE {
             let (bad, quantity) = spoilt(&trial.state(), number, value);
             assert_eq!(bad.not_finite(), Some(quantity));
-            let expected = StepError::BadState(quantity);
+            // As text, because NaN does not equal itself.
+            let expected = Some(StepError::BadState { quantity, value }.to_string());
+            let text = |error: Option<StepError>| error.map(|error| error.to_string());
             each_explicit!(1e-4, |integrator, method| {
                 let stepper = Stepper::of_trial(&trial, integrator).unwrap();
                 let mut state = bad;
-                assert_eq!(stepper.step(&mut state), Err(expected), "{method}");
-                assert_eq!(stepper.advance(&mut state, 1.0), Err(expected), "{method}");
+                let answer = stepper.step(&mut state);
+                assert_eq!(text(answer.err()), expected, "{method}");
+                let answer = stepper.advance(&mut state, 1.0);
+                assert_eq!(text(answer.err()), expected, "{method}");
                 assert_eq!(bits(&state), bits(&bad), "{method}");
             });
             let stepper = Stepper::of_trial(&trial, EnergyMomentum { time_step: 1e-4 }).unwrap();
             let mut state = bad;
-            assert_eq!(stepper.step(&mut state).err(), Some(expected));
+            assert_eq!(text(stepper.step(&mut state).err()), expected);
             assert_eq!(bits(&state), bits(&bad));
         }
     }
+    let text = |quantity, value| StepError::BadState { quantity, value }.to_string();
     assert_eq!(
-        StepError::BadState(Quantity::Position).to_string(),
-        "the position before the step must be finite"
+        text(Quantity::Position, f64::NAN),
+        "the position before the step must be finite, got NaN m"
     );
     assert_eq!(
-        StepError::BadState(Quantity::Orientation).to_string(),
-        "the orientation before the step must be finite, with a length that is not zero"
+        text(Quantity::Orientation, 0.0),
+        "the orientation before the step must be finite, with a length that is not zero, got 0"
     );
 }
 
@@ -1699,7 +1707,9 @@ fn an_orientation_without_a_direction_is_blamed_on_the_state_and_a_long_one_is_s
     };
     // The squares of the last two are 0 and infinite.
     for length in [0.0, -0.0, 5e-324, 1e-200, 1e200] {
-        let expected = Some(StepError::BadState(Quantity::Orientation));
+        let quantity = Quantity::Orientation;
+        let value = (length * 0.6 * (length * 0.6) + length * 0.8 * (length * 0.8)).sqrt();
+        let expected = Some(StepError::BadState { quantity, value });
         let answers = step_with(length);
         assert!(
             answers.iter().all(|answer| *answer == expected),
@@ -2736,7 +2746,7 @@ proptest! {
             let mut state = start;
             match stepper.step(&mut state) {
                 Ok(_) => prop_assert_eq!(state.not_finite(), None, "{}", method),
-                Err(StepError::BadState(quantity)) => {
+                Err(StepError::BadState { quantity, .. }) => {
                     prop_assert!(start.not_finite().is_none_or(|found| found == quantity), "{}", method);
                     prop_assert_eq!(bits(&state), bits(&start), "{}", method);
                 }

@@ -10,7 +10,7 @@ use crate::kit::erased::Stepper;
 use tumble::glam::{DQuat, DVec3};
 use tumble::work_precision::reference;
 use tumble::{
-    AdaptiveNystrom, BogackiShampine32, Coin, Coulomb, Cuboid, DormandPrince54, FlatGround,
+    AdaptiveNystrom, BogackiShampine32, Coin, Coulomb, Cuboid, Disc, DormandPrince54, FlatGround,
     Integrator, Nystrom, PointCloud, RigidPointBody, SolidCoin, State, Trial, UniformGravity,
 };
 
@@ -185,6 +185,38 @@ fn the_cost_of_spinning_on_the_spot_does_not_depend_on_the_slip_speed() {
             println!("trial {number}, {slip_speed:e} m/s: {evaluations}, {error:e} m");
             assert!(evaluations <= 700, "{evaluations}");
             assert!(error < 1e-4, "{error:e} m");
+        }
+    }
+}
+
+/// The slip of a round rim that spins on the spot reverses within the arc that touches. Limited
+/// friction would take that arc for a contact that hardly slips, and a thousand times as many steps.
+#[test]
+fn a_round_rim_spins_on_the_spot_in_few_more_steps_at_a_small_slip_speed() {
+    let upright = DQuat::from_rotation_x(core::f64::consts::FRAC_PI_2);
+    for (radius, turns) in [(0.01, 300.0), (0.05, 60.0), (0.2, 9.0)] {
+        for tolerance in [1e-2 * radius, 1e-4 * radius] {
+            let steps = [1e-3, 1e-7].map(|slip_speed| {
+                let stepper = Stepper::builder(Disc::solid(0.02, radius, 60))
+                    .gravity(UniformGravity::down(9.8))
+                    .ground(FlatGround::level(5e3, 0.5))
+                    .friction(Coulomb {
+                        coefficient: 0.4,
+                        slip_speed,
+                    })
+                    .integrator(AdaptiveNystrom::new(tolerance))
+                    .build()
+                    .unwrap();
+                let start = State::at(DVec3::Z * radius).with_orientation(upright);
+                let start = stepper.with_angular_velocity(start, DVec3::Z * turns);
+                let mut session = stepper.session(start);
+                session.advance(1.0).unwrap();
+                session.step_count()
+            });
+            assert!(
+                steps[1] <= 2 * steps[0],
+                "{radius} m, {tolerance:e}: {steps:?}"
+            );
         }
     }
 }

@@ -236,12 +236,7 @@ fn start_of<R: Real, D: Dynamics<R>>(
             return Ok(known.place);
         }
     }
-    if let Some(quantity) = state.not_finite() {
-        return Err(StepError::BadState(quantity));
-    }
-    if !state.rotation().is_a_turn() {
-        return Err(StepError::BadState(Quantity::Orientation));
-    }
+    state.check()?;
     report.evaluations += 1;
     Ok(Place::at(scene, workspace.point(state)))
 }

@@ -20,7 +20,7 @@ use super::embedded_pair::Settings;
 use super::embedded_pair::control::{self, Control, Errors};
 use crate::contact::Motion;
 use crate::energy::Energy;
-use crate::error::{Quantity, SceneError, StepError};
+use crate::error::{SceneError, StepError};
 use crate::ground::SpringDamperGround;
 use crate::integrator::energy_limit;
 use crate::integrator::energy_momentum::{self, EnergyMomentum};
@@ -193,7 +193,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
         if limit <= R::ZERO {
             return Ok(Step::new(R::ZERO, 0));
         }
-        check_state(state)?;
+        state.check()?;
         let settings = self.settings();
         let control = &mut workspace.control;
         let mut work = Step::new(R::ZERO, 0);
@@ -251,16 +251,6 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
     fn check(&self) -> Result<(), SceneError> {
         self.settings().check()
     }
-}
-
-pub(super) fn check_state<R: Real>(state: &State<R>) -> Result<(), StepError> {
-    if let Some(quantity) = state.not_finite() {
-        return Err(StepError::BadState(quantity));
-    }
-    if !state.rotation().is_a_turn() {
-        return Err(StepError::BadState(Quantity::Orientation));
-    }
-    Ok(())
 }
 
 /// Returns the largest allowed error of a step, m.

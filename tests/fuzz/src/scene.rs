@@ -161,7 +161,7 @@ fn fails_well<R: Real>(
             let order = limit.partial_cmp(&R::ZERO);
             assert!(order.is_none_or(|order| order.is_lt()), "{error}");
         }
-        StepError::BadState(_) => {
+        StepError::BadState { .. } => {
             let square = start.rotation().length_squared();
             let is_turn = (square - R::ONE).abs() < R::HALF;
             assert!(
