@@ -388,7 +388,7 @@ where
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn steps(&mut self) -> impl Iterator<Item = Result<Moment<R>, StepError>> {
-        self.moments(false, |session| session.step().map(|_| ()))
+        self.moments(|session| session.step().map(|_| ()))
     }
 
     /// Returns an iterator over samples at equal intervals (s).
@@ -426,14 +426,13 @@ where
         interval: R,
     ) -> Result<impl Iterator<Item = Result<Moment<R>, StepError>>, SceneError> {
         error::above_zero("interval of the samples", interval, " s")?;
-        Ok(self.moments(true, move |session| session.advance(interval)))
+        let present = core::iter::once(Ok(self.moment()));
+        Ok(present.chain(self.moments(move |session| session.advance(interval))))
     }
 
-    /// Returns an iterator that calls `move_on` between moments, with or without the present moment
-    /// first.
+    /// Returns an iterator over the moments after each call of `move_on`, up to the first error.
     fn moments(
         &mut self,
-        mut begins_here: bool,
         mut move_on: impl FnMut(&mut Self) -> Result<(), StepError>,
     ) -> impl Iterator<Item = Result<Moment<R>, StepError>> {
         let mut has_failed = false;
@@ -441,8 +440,7 @@ where
             if has_failed {
                 return None;
             }
-            let moved = if begins_here { Ok(()) } else { move_on(self) };
-            begins_here = false;
+            let moved = move_on(self);
             has_failed = moved.is_err();
             Some(moved.map(|()| self.moment()))
         })

@@ -66,7 +66,7 @@ use applied::Ahead;
 pub(in crate::integrator) use applied::close_account;
 use contacts::Contacts;
 use energy_limit::Touched;
-use gather::gather;
+use gather::{Candidates, gather};
 use panels::FOR_RIMS;
 use problem::Problem;
 pub(in crate::integrator) use problem::unit_of_gap;
@@ -511,8 +511,8 @@ fn attempt<R: Real, D: Dynamics<R>>(
 ) -> bool {
     let mut problem = Problem::new(scene, state, energy, part.seconds);
     (problem.unpushed, problem.force_seconds) = (part.unpushed, part.force_seconds);
-    for wide in [false, true] {
-        gather(&problem, contacts, wide);
+    for candidates in [Candidates::Near, Candidates::All] {
+        gather(&problem, contacts, candidates);
         let end = if contacts.is_empty() {
             End::without_work(fly(&problem))
         } else {
@@ -524,7 +524,9 @@ fn attempt<R: Real, D: Dynamics<R>>(
         };
         let (after, touching) = Energy::with_touching(scene, &end.state);
         // A contact that was not collected touches at the end: collect all contacts.
-        if !wide && !contacts.includes_those_at(&problem, (&end.state, touching)) {
+        let is_complete = candidates == Candidates::All
+            || contacts.includes_those_at(&problem, (&end.state, touching));
+        if !is_complete {
             continue;
         }
         let known = (&mut *state, &mut *energy);

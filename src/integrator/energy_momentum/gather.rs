@@ -7,19 +7,28 @@ use crate::ground::Plane;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
-/// Collects the contacts that may touch during the step: those below the ground, and those that the
-/// initial motion brings near. Collects all contacts if `wide` is true.
+/// Which contacts a step collects.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Candidates {
+    /// Those below the ground, and those that the initial motion brings near.
+    Near,
+    /// All of them.
+    All,
+}
+
+/// Collects the contacts that may touch during the step.
 #[inline]
 pub(super) fn gather<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
-    wide: bool,
+    candidates: Candidates,
 ) {
     contacts.clear();
+    let all = candidates == Candidates::All;
     for surface in 0..problem.surfaces() {
-        let reach = match problem.plane_of(surface).filter(|_| !wide) {
+        let reach = match problem.plane_of(surface).filter(|_| !all) {
             Some(plane) => near_plane(problem, surface, &plane),
-            None if wide || problem.surfaces() == 1 => everything(problem, surface),
+            None if all || problem.surfaces() == 1 => everything(problem, surface),
             None => near_surface(problem, surface),
         };
         contacts.gather(problem, surface, &reach);
