@@ -9,6 +9,7 @@
 pub(crate) mod counting;
 pub(crate) mod erased;
 pub(crate) mod once;
+pub(crate) mod page;
 pub(crate) mod rigid;
 pub(crate) mod statistics;
 

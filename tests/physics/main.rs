@@ -36,6 +36,7 @@ mod symmetry;
 mod time;
 mod turning_points;
 mod until_rest;
+mod walls;
 
 // How accurate they are.
 mod adaptive;

@@ -22,6 +22,7 @@ use crate::common::methods::{
     Distance, METHODS, Method, Record, Setup, apart, convergence, method, truths,
 };
 use crate::kit::erased::Stepper;
+use crate::kit::page::Table;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
     Coulomb, EnergyMomentum, FlatGround, ForwardEuler, Ground, Integrator, LimitedDamper, Nystrom,
@@ -712,15 +713,25 @@ fn eight_trials(ground: impl SpringDamperGround + Copy) -> Vec<(Trial, State)> {
         .collect()
 }
 
+/// The table of `guide::accuracy`.
+const ORDERS: Table = Table {
+    page: "accuracy",
+    begin: "<!-- orders: begin; rows written by `UPDATE=1 cargo test --test physics orders_through` -->\n\n| integrator | ground | smallest | median | largest |\n|---|---|---|---|---|\n",
+    end: "\n<!-- orders: end -->",
+    command: "cargo test --test physics orders_through",
+};
+
 /// Orders in the tables of `guide::accuracy` and of the crate's front page.
 #[test]
 fn the_orders_through_touch_downs_are_those_of_the_guide_on_all_eight_trials() {
-    fn show(name: &str, law: &str, orders: &[f64]) -> [f64; 2] {
+    let mut rows = String::new();
+    let mut show = |name: &str, law: &str, orders: &[f64]| {
         let (least, largest) = (orders[0], orders[7]);
         let median = (orders[3] + orders[4]) / 2.0;
-        println!("| `{name}` | {law} | {least:.1} | {median:.1} | {largest:.1} |");
+        let row = format!("| `{name}` | {law} | {least:.1} | {median:.1} | {largest:.1} |\n");
+        rows.push_str(&row);
         [least, median]
-    }
+    };
     let springs = FlatGround::level(Trial::<f64>::STIFFNESS, Trial::<f64>::DAMPING);
     let ends = eight_trials(springs);
     macro_rules! measured {
@@ -755,6 +766,7 @@ fn the_orders_through_touch_downs_are_those_of_the_guide_on_all_eight_trials() {
         measured!(StrangSplitting, "limited damper", smooth, &ends),
         measured!(Rk4, "limited damper", smooth, &ends),
     ];
+    ORDERS.has(&rows);
     // A tenth for the next term of the error, at steps that are no longer than the shortest decay
     // of a slip.
     assert!(first.iter().all(|[least, _]| *least > 0.9), "{first:?}");

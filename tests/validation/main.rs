@@ -54,14 +54,5 @@ fn the_table_in_the_documentation_is_what_the_suite_gets() {
         return;
     }
     let rows: String = cases().map(Case::rows).collect();
-    let stored = TABLE.stored();
-    if std::env::var_os("UPDATE").is_some() {
-        TABLE.store(&stored, &rows);
-    } else {
-        let begun = TABLE.rows_in(&stored);
-        assert!(
-            begun == rows,
-            "the table has changed; `UPDATE=1 cargo test --test validation` stores it if that is meant\nstored:\n{begun}\nnow:\n{rows}"
-        );
-    }
+    TABLE.has(&rows);
 }

@@ -2,14 +2,13 @@
 
 use core::cell::Cell;
 use core::fmt::Write as _;
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use proptest::prelude::{Strategy, TestCaseError};
 use proptest::test_runner::TestRunner;
 
 use crate::kit;
+use crate::kit::page::Table;
 use crate::kit::statistics::{FractionTest, failing_at_most};
 
 /// A result of the literature: its place in the catalogue, its formula, where it stands, and the
@@ -288,39 +287,13 @@ fn in_words(error: f64, size: f64) -> String {
     }
 }
 
-/// The chapter that shows the table.
-pub(crate) struct Table;
-
-/// The one there is.
-pub(crate) const TABLE: Table = Table;
-
-impl Table {
-    const BEGIN: &str = "<!-- table: begin; rows written by `UPDATE=1 cargo test --test validation` -->\n\n| | what | formula | expected | got | error | tolerance | source |\n|---|---|---|---|---|---|---|---|\n";
-    const END: &str = "\n<!-- table: end -->";
-
-    fn file() -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("src/guide/validation.md")
-    }
-
-    /// The chapter as it is.
-    pub(crate) fn stored(&self) -> String {
-        fs::read_to_string(Self::file()).unwrap()
-    }
-
-    /// The rows in the chapter.
-    pub(crate) fn rows_in<'a>(&self, chapter: &'a str) -> &'a str {
-        let (_, rest) = chapter.split_once(Self::BEGIN).unwrap();
-        rest.split_once(Self::END).unwrap().0
-    }
-
-    /// Puts other rows into the chapter.
-    pub(crate) fn store(&self, chapter: &str, rows: &str) {
-        let (before, rest) = chapter.split_once(Self::BEGIN).unwrap();
-        let (_, after) = rest.split_once(Self::END).unwrap();
-        let text = [before, Self::BEGIN, rows, Self::END, after].concat();
-        fs::write(Self::file(), text).unwrap();
-    }
-}
+/// The table of the chapter `guide::validation`.
+pub(crate) const TABLE: Table = Table {
+    page: "validation",
+    begin: "<!-- table: begin; rows written by `UPDATE=1 cargo test --test validation` -->\n\n| | what | formula | expected | got | error | tolerance | source |\n|---|---|---|---|---|---|---|---|\n",
+    end: "\n<!-- table: end -->",
+    command: "cargo test --test validation",
+};
 
 /// A [`Random`] and its test, written as `proptest!` would have it: a constant, its number of draws
 /// and what is drawn; then the property.
