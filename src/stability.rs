@@ -67,6 +67,9 @@ pub(crate) fn largest_stable_step<R: Real>(
 ) -> Option<R> {
     // A method without a limit needs no evaluation of the contacts.
     limit(R::ONE, R::ONE)?;
+    if state.not_finite().is_some() {
+        return None;
+    }
     let response = Response::at(scene, state, Friction::GrowsWithLoad);
     let mut least = least_along(&response.outline(), &limit)?;
     if response.is_coupled {
@@ -468,7 +471,12 @@ fn slopes<R: Real, G: SpringDamperGround<R>>(
     let natural = depth * (stiffness * inverse_mass).at_least(R::ZERO).sqrt();
     let width = (speed.abs() + natural) * nudge;
     let at_speed = |speed| ground.normal_force(depth, speed);
-    let damping = slope(at_speed(speed - width), at_speed(speed + width), width);
+    let damping = if width > R::ZERO {
+        slope(at_speed(speed - width), at_speed(speed + width), width)
+    } else {
+        // A damper without a spring, at rest. It only pushes, against any speed of approach.
+        ((at_speed(nudge) - at_speed(R::ZERO)) / nudge).at_least(R::ZERO)
+    };
     [stiffness, damping]
 }
 

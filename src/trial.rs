@@ -135,7 +135,7 @@ impl<R: Real> Trial<R> {
             Start::Rolling => turn.apply(R::Vec3::new(one, o, o)),
             Start::Spinning => turn.apply(R::Vec3::new(o, o, one)),
         };
-        let height = R::from_f64(Self::RADIUS) * self.tilt.sin_cos().1;
+        let height = R::from_f64(Self::RADIUS) * self.tilt.sin_cos().1.abs();
         State::at(R::Vec3::new(o, o, height))
             .with_orientation(turn.to_quat())
             .with_angular_momentum(direction * self.angular_momentum)

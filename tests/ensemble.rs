@@ -804,6 +804,17 @@ fn invalid_starts_and_scenes_are_refused() {
         message(start.with_speed(DVec3::NAN, 1.0)),
         "length of the direction must be finite, got NaN"
     );
+    // The square of such a length overflows or underflows.
+    for length in [1e200, 2e-162, 5e-324] {
+        let [expected, drawn] = [DVec3::X, DVec3::X * length].map(|axis| {
+            let rate = 3.0.into();
+            let start = start.with_spin(RandomSpin::Body { axis, rate });
+            let start = start.with_tilt(axis, 0.2).with_speed(axis, 1.0);
+            Throw::new(&stepper, start.clone(), 1.0).unwrap();
+            starts(&start, 0..3)
+        });
+        assert_eq!(expected, drawn, "{length:e}");
+    }
     assert_eq!(
         message(start.with_sampling(Sampling::Latin { strata: 0 })),
         "number of strata must be at least 1, got 0"
@@ -834,7 +845,7 @@ fn tosses_that_fail_are_counted_by_kind() {
     let error = throw.play(&mut ensemble.toss(3)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the position before the step must be finite"
+        "the position before the step must be finite, got NaN m"
     );
 }
 

@@ -36,7 +36,8 @@ Usage: cargo run --release --example known_outcomes -- [OPTIONS]
       --certify         decided states that are followed to rest, and barriers by brute force
       --methods         labels and cost of a toss by each method
       --means           what each means of a cheap toss saves
-      --percent <COUNT> percentage of the tosses; all take half an hour on one core [default: 5]
+      --percent <COUNT> percentage of the tosses; all take half an hour on one core
+                        [default: 5, with --write that of the tables of the guide]
   -q, --quick           a thousandth of the tosses; with --write, their tables are stored
       --check           plays a thousandth of the tosses, and fails if a table differs from the
                         stored one: then the tables of the guide are stale too
@@ -50,6 +51,8 @@ Usage: cargo run --release --example known_outcomes -- [OPTIONS]
 struct Subject {
     name: &'static str,
     page: &'static str,
+    /// Percentage of the tosses in the tables of the page.
+    percent: u64,
     tables: fn(Size) -> Outcome<Report>,
 }
 
@@ -64,31 +67,37 @@ const SUBJECTS: [Subject; 6] = [
     Subject {
         name: "edge",
         page: "src/guide/edge.md",
+        percent: 100,
         tables: edge::tables,
     },
     Subject {
         name: "rims",
         page: "src/guide/edge.md",
+        percent: 50,
         tables: edge::rims,
     },
     Subject {
         name: "shapes",
         page: "src/guide/validation.md",
+        percent: 10,
         tables: shapes::tables,
     },
     Subject {
         name: "certify",
         page: "src/guide/outcomes.md",
+        percent: 100,
         tables: certificate::tables,
     },
     Subject {
         name: "methods",
         page: "src/guide/outcomes.md",
+        percent: 100,
         tables: methods::tables,
     },
     Subject {
         name: "means",
         page: "src/guide/outcomes.md",
+        percent: 30,
         tables: means::tables,
     },
 ];
@@ -129,7 +138,8 @@ impl Size {
 #[derive(Debug)]
 struct Arguments {
     subjects: Vec<Subject>,
-    size: Size,
+    /// `None` if no size is given.
+    size: Option<Size>,
     is_written: bool,
     is_checked: bool,
     out: PathBuf,
@@ -143,7 +153,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
     use lexopt::prelude::*;
     let mut arguments = Arguments {
         subjects: Vec::new(),
-        size: Size(50),
+        size: None,
         is_written: false,
         is_checked: false,
         out: PathBuf::from("out"),
@@ -155,10 +165,10 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         match argument {
             Long("percent") => {
                 let count = percent(parser.value()?.parse()?)?;
-                (arguments.size, percentage) = (Size(10 * count), Some(count));
+                (arguments.size, percentage) = (Some(Size(10 * count)), Some(count));
             }
-            Short('q') | Long("quick") => arguments.size = Size::QUICK,
-            Long("check") => (arguments.size, arguments.is_checked) = (Size::QUICK, true),
+            Short('q') | Long("quick") => arguments.size = Some(Size::QUICK),
+            Long("check") => (arguments.size, arguments.is_checked) = (Some(Size::QUICK), true),
             Long("write") => arguments.is_written = true,
             Short('o') | Long("out") => arguments.out = parser.value()?.into(),
             Short('h') | Long("help") => return Ok(None),
@@ -178,6 +188,19 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
     if arguments.subjects.is_empty() {
         arguments.subjects = SUBJECTS.to_vec();
     }
+    let is_of_the_guide =
+        |subject: &Subject| percentage.is_none_or(|count| count == subject.percent);
+    if let Some(other) = arguments
+        .subjects
+        .iter()
+        .find(|subject| !is_of_the_guide(subject))
+        && arguments.is_written
+    {
+        let Subject { name, percent, .. } = other;
+        return Err(
+            format!("--percent must be {percent} for the tables of {name} in the guide").into(),
+        );
+    }
     Ok(Some(arguments))
 }
 
@@ -196,14 +219,18 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
     make_folder(&folder)?;
     let mut is_as_expected = true;
     for subject in &arguments.subjects {
-        let report = (subject.tables)(arguments.size)?;
+        let size = match arguments.size {
+            None if arguments.is_written => Size(10 * subject.percent),
+            size => size.unwrap_or(Size(50)),
+        };
+        let report = (subject.tables)(size)?;
         is_as_expected &= report.is_as_expected;
         say(format_args!("{}\n", report.text));
         let file = folder.join(format!("{}.md", subject.name));
         fs::write(&file, &report.text)?;
         say(format_args!("Written: {}\n\n", file.display()));
         if arguments.is_written {
-            subject.write(arguments.size, &report.text)?;
+            subject.write(size, &report.text)?;
         }
         if arguments.is_checked {
             is_as_expected &= subject.is_stored(&report.text)?;
@@ -215,12 +242,18 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
 impl Subject {
     /// Writes the tables into the guide, or those of a quick run into their own file.
     fn write(&self, size: Size, text: &str) -> Outcome<()> {
-        let Self { name, page, .. } = self;
+        let Self {
+            name,
+            page,
+            percent,
+            ..
+        } = self;
         if size == Size::QUICK {
             return Ok(fs::write(self.quick_table(), text)?);
         }
-        let begin =
-            format!("<!-- {name}: begin; written by `known_outcomes -- --{name} --write` -->");
+        let begin = format!(
+            "<!-- {name}: begin; written by `known_outcomes -- --{name} --percent {percent} --write` -->"
+        );
         let end = format!("<!-- {name}: end -->");
         marked::write(page, [&begin, &end], text)
     }

@@ -221,13 +221,12 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
     /// `second`, counter-clockwise from outside.
     ///
     /// Nothing is called unless this is an edge of the facet and `first` is the least number of a
-    /// point on it. So each facet is visited once.
+    /// point on its outline. So each facet is visited once.
     fn each_triangle(&self, first: usize, second: usize, mut see: impl FnMut([R::Vec3; 3])) {
         let Some(plane) = self.wrap(first, second) else {
             return;
         };
-        let leads = (0..first).all(|index| !self.is_on(&plane, index));
-        if !leads || !self.is_edge(&plane, first, second) {
+        if !self.is_edge(&plane, first, second) || !self.leads(&plane, first) {
             return;
         }
         let (start, end) = (self.point(first), self.point(second));
@@ -243,6 +242,22 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
             see([start, corner, next]);
             corner = next;
         }
+    }
+
+    /// Returns true if no point with a lesser number begins an edge of the facet.
+    fn leads(&self, plane: &FacetPlane<R>, number: usize) -> bool {
+        self.edges(plane).all(|[start, end]| {
+            let along = end - start;
+            // Twice the thickness: `begins_an_edge` decides.
+            let width = along.length() * self.thickness * R::TWO;
+            let is_near = |index| along.cross(self.point(index) - start).length() <= width;
+            let mut lesser = (0..number).filter(|&index| self.is_on(plane, index));
+            !lesser.any(|index| is_near(index) && self.begins_an_edge(plane, index))
+        })
+    }
+
+    fn begins_an_edge(&self, plane: &FacetPlane<R>, number: usize) -> bool {
+        (0..self.points.len()).any(|other| self.is_edge(plane, number, other))
     }
 
     /// Plane through two points that has no point in front of it, with its normal to their left.

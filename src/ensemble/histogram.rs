@@ -112,7 +112,11 @@ impl Histogram {
     pub fn edges(&self, bin: usize) -> [f64; 2] {
         let edge = |at: usize| {
             let fraction = at as f64 / self.bins.len() as f64;
-            self.low + (self.high - self.low) * fraction
+            if at == self.bins.len() {
+                self.high
+            } else {
+                self.low + (self.high - self.low) * fraction
+            }
         };
         [edge(bin), edge(bin.saturating_add(1))]
     }
@@ -231,6 +235,27 @@ mod tests {
                     .abs()
                     .max((found[1] - expected[1]).abs());
                 assert!(off < 1e-9, "{fraction}: {found:?}");
+            }
+        }
+    }
+
+    /// `low + (high - low)` is another number than `high` in each of these histograms.
+    #[test]
+    fn the_last_bin_ends_at_the_high_end() {
+        for [low, high] in [
+            [-0.1, 0.2],
+            [0.3, 0.9],
+            [-1.0, 0.1],
+            [6.7, 15.4],
+            [-1.0, 1e-17],
+        ] {
+            for bins in [1, 7, 64] {
+                let mut histogram = Histogram::new(low, high, bins).unwrap();
+                assert_eq!(histogram.edges(bins - 1)[1].to_bits(), high.to_bits());
+                let largest = f64::from_bits(high.to_bits() - 1);
+                histogram.add(largest);
+                let [from, to] = histogram.quantile(1.0).unwrap();
+                assert!(from <= largest && largest <= to, "{from} {largest} {to}");
             }
         }
     }

@@ -7,7 +7,7 @@ use super::toss::Toss;
 use super::uniform::Uniform;
 use crate::body::InertiaProperties;
 use crate::error::{self, Rule, SceneError};
-use crate::real::{Quaternion, Real, Vector};
+use crate::real::{Quaternion, Real, Vector, scaled};
 use crate::rotation::Rotation;
 use crate::state::State;
 
@@ -53,8 +53,7 @@ pub enum RandomOrientation {
     Uniform,
     /// An axis of the body is tilted from the vertical.
     Tilted {
-        /// Axis in the body, which points up at a tilt of 0. Its length, between 1e-150 and 1e150,
-        /// does not matter.
+        /// Axis in the body, which points up at a tilt of 0. Its length, above 0, does not matter.
         axis: Vec3,
         /// Angle between the axis and world z, rad. The axis is tilted about world y, towards
         /// world x.
@@ -72,14 +71,14 @@ pub enum RandomOrientation {
 pub enum RandomSpin {
     /// About an axis of the world.
     World {
-        /// Axis, world axes. Its length, between 1e-150 and 1e150, does not matter.
+        /// Axis, world axes. Its length, above 0, does not matter.
         axis: Vec3,
         /// Angular velocity about the axis, rad/s.
         rate: Uniform,
     },
     /// About an axis of the body.
     Body {
-        /// Axis, body axes. Its length, between 1e-150 and 1e150, does not matter.
+        /// Axis, body axes. Its length, above 0, does not matter.
         axis: Vec3,
         /// Angular velocity about the axis, rad/s.
         rate: Uniform,
@@ -153,8 +152,7 @@ pub struct RandomStart {
     pub spin: RandomSpin,
     /// Height of the centre of mass over the origin of the world, m.
     pub height: Uniform,
-    /// Direction of the velocity, world axes. Its length, between 1e-150 and 1e150, does not
-    /// matter.
+    /// Direction of the velocity, world axes. Its length, above 0, does not matter.
     pub direction: Vec3,
     /// Speed along the direction, m/s.
     pub speed: Uniform,
@@ -346,6 +344,8 @@ fn raising(axis: Vec3) -> Rotation<f64> {
 }
 
 fn unit(axis: Vec3) -> Vec3 {
+    // By a power of two, which changes no bit of the direction.
+    let axis = scaled::<f64>(axis);
     axis / Vector::length(axis)
 }
 
@@ -355,7 +355,13 @@ fn sin_cos(angle: f64) -> (f64, f64) {
 }
 
 fn check_axis(quantity: &'static str, axis: Vec3) -> Result<(), SceneError> {
-    error::above_zero(quantity, Vector::length(axis), "")
+    // The length of a valid axis may overflow or underflow.
+    let length = if axis.is_finite() {
+        axis.abs().max_element()
+    } else {
+        Vector::length(axis)
+    };
+    error::above_zero(quantity, length, "")
 }
 
 fn converted<R: Real>(vector: Vec3) -> R::Vec3 {

@@ -211,8 +211,12 @@ impl<'e, R: Real, const N: usize> Watch<'e, R, N> {
         let parts = self.parts_of(end.after);
         let mut from = start.after;
         for part in 1..=parts {
-            for track in &mut self.tracks {
-                track.begin_interval(spanned.div_ceil(parts));
+            for (event, track) in self.events.iter().zip(&mut self.tracks) {
+                if event.interval().is_some() {
+                    track.begin_interval(spanned.div_ceil(parts));
+                } else if part == 1 {
+                    track.begin_interval(spanned);
+                }
             }
             let flow = if part == parts {
                 self.interval_to(path, from, end, handle)?

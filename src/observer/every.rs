@@ -13,6 +13,8 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Every<O> {
     steps: u64,
+    /// Samples since the last one that was passed on.
+    count: u64,
     observer: O,
 }
 
@@ -27,7 +29,11 @@ impl<O> Every<O> {
             let quantity = "number of steps between samples";
             return Err(SceneError::new(quantity, Rule::AtLeast(1), 0.0, ""));
         }
-        Ok(Self { steps, observer })
+        Ok(Self {
+            steps,
+            count: 0,
+            observer,
+        })
     }
 
     /// Returns the inner observer.
@@ -39,7 +45,9 @@ impl<O> Every<O> {
 
 impl<R: Real, O: Observer<R>> Observer<R> for Every<O> {
     fn observe(&mut self, sample: &Sample<'_, R>) -> ControlFlow<()> {
-        if sample.step % self.steps == 0 {
+        let is_due = sample.step == 0 || self.count == 0 || self.count >= self.steps;
+        self.count = if is_due { 1 } else { self.count + 1 };
+        if is_due {
             self.observer.observe(sample)
         } else {
             ControlFlow::Continue(())

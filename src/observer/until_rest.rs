@@ -105,6 +105,16 @@ impl<R: Real> UntilRest<R> {
         let way = now.linear_velocity.length() * elapsed;
         shift + chord <= self.distance && way <= self.distance
     }
+
+    /// Returns true if a point of the body moves by more than `distance` in `elapsed` seconds. A
+    /// step of a whole revolution ends at the pose at which it began.
+    fn spins(&self, sample: &Sample<'_, R>, elapsed: R) -> bool {
+        if elapsed == R::ZERO {
+            return false;
+        }
+        let spin = sample.rates().angular_velocity.length();
+        self.bounding_radius * spin * elapsed > self.distance
+    }
 }
 
 impl<R: Real> Observer<R> for UntilRest<R> {
@@ -115,8 +125,12 @@ impl<R: Real> Observer<R> for UntilRest<R> {
         let elapsed = before
             .filter(|_| !begins)
             .map_or(R::ZERO, |seen| time - seen.time);
-        let stays = before.filter(|seen| self.stays(seen, &now, elapsed));
-        self.still = stays.map_or(R::ZERO, |_| self.still + elapsed);
+        let still = self.still + elapsed;
+        let stays = before.filter(|seen| {
+            self.stays(seen, &now, elapsed)
+                && (still < self.seconds || !self.spins(sample, elapsed))
+        });
+        self.still = stays.map_or(R::ZERO, |_| still);
         self.seen = Some(Seen {
             moved: stays.map_or(now, |seen| seen.moved),
             last: now,

@@ -10,7 +10,7 @@ use crate::gravity::Gravity;
 use crate::ground::SpringDamperGround;
 use crate::integrator::Integrator;
 use crate::real::Real;
-use crate::scene::Scene;
+use crate::scene::{Dynamics, Scene};
 use crate::stepper::Stepper;
 
 /// Parts of a scene and its integrator, before they are checked.
@@ -112,10 +112,11 @@ impl<R: Real, B, G, F, A, I, E> StepperBuilder<B, G, F, A, I, R, E> {
         E: Force<R>,
     {
         self.integrator.check()?;
-        self.integrator.check_body(&self.body)?;
+        let scene = Scene::new(self.body, self.ground, self.friction, self.gravity)?;
+        let scene = scene.with_force(self.force)?;
+        self.integrator.check_body(scene.body())?;
         Ok(Stepper {
-            scene: Scene::new(self.body, self.ground, self.friction, self.gravity)?
-                .with_force(self.force)?,
+            scene,
             integrator: self.integrator,
         })
     }

@@ -10,10 +10,11 @@
 //! - A law that breaks its contract is named, or has not been asked.
 //!
 //! The sweep draws bodies, grounds, frictions, gravities, states and time steps at random, the same
-//! ones in every run, and takes 40 steps with each. A plain `cargo test` takes 200,000 steps.
-//! `TUMBLE_SWEEP_STEPS=1200000 cargo test --test limits extremes:: -- --nocapture` takes more, and
-//! shows how many of them could be taken whole, by the length of the step, and how many the energy
-//! limiter has held. `PROPTEST_RNG_SEED` draws others. `.ci/long.sh` takes millions of them.
+//! ones in every run, and takes 40 steps with each. A plain `cargo test` takes some 400,000 steps.
+//! `TUMBLE_SWEEP_STEPS=1200000 cargo test --test limits extremes:: -- --nocapture` takes six times
+//! as many, and shows how many of them could be taken whole, by the length of the step, and how
+//! many the energy limiter has held. `PROPTEST_RNG_SEED` draws others. `.ci/long.sh` takes millions
+//! of them.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]

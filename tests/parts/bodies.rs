@@ -154,6 +154,38 @@ proptest! {
         agree(&turned(prism, turn), &hull, 10.0).map_err(TestCaseError::fail)?;
     }
 
+    /// Points within a facet may have the least numbers of all: the centres of both caps, points on
+    /// the sides, and some on edges.
+    #[test]
+    fn the_hull_of_a_prism_is_the_prism_in_any_order(n in 3_usize..16, height in 0.1..2.0_f64, turn in orientations(), order in prop::collection::vec(any::<u64>(), 60)) {
+        let rim = |k: usize, z: f64| {
+            let angle = TAU * k as f64 / n as f64;
+            turn * DVec3::new(angle.cos(), angle.sin(), z)
+        };
+        let [low, high] = [-height / 2.0, height / 2.0];
+        let corners = (0..n).flat_map(|k| [rim(k, low), rim(k, high)]);
+        let centres = [turn * (DVec3::Z * low), turn * (DVec3::Z * high)];
+        let sides = (0..n).map(|k| (rim(k, 0.3 * low) + rim(k + 1, 0.4 * high)) / 2.0);
+        let edges = [(rim(0, low) + rim(1, low)) / 2.0, rim(2, 0.1 * high)];
+        let points: Vec<DVec3> = corners.chain(centres).chain(sides).chain(edges).collect();
+        let mut mixed: Vec<_> = order.iter().zip(&points).collect();
+        mixed.sort_by_key(|(order, _)| **order);
+        let mixed: Vec<DVec3> = mixed.into_iter().map(|(_, &point)| point).collect();
+        prop_assume!(mixed.len() == points.len());
+        let centres_first: Vec<DVec3> = centres.into_iter().chain(mixed.iter().copied()).collect();
+        let along = 1.0 - 2.0 / 3.0 * (PI / n as f64).sin().powi(2);
+        let across = along / 2.0 + height * height / 6.0;
+        let prism = turned(MassProperties {
+            mass: 2.0,
+            centre_of_mass: DVec3::ZERO,
+            inertia: DMat3::from_diagonal(DVec3::new(across, across, along)),
+        }, turn);
+        for points in [mixed, centres_first] {
+            let hull = MassProperties::hull(2.0, &points).unwrap();
+            agree(&prism, &hull, 10.0).map_err(TestCaseError::fail)?;
+        }
+    }
+
     /// Checks the fraction `h/√(4r² + h²)` of all orientations in which a coin falls back on its
     /// edge, because its normal is nearly horizontal.
     ///

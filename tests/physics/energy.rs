@@ -11,10 +11,11 @@ use crate::kit::{self, Solid, each_explicit, log_uniform, order, point_mass};
 use proptest::prelude::*;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{
-    Bowl, Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics, EnergyMomentum,
-    FlatGround, Flight, ForwardEuler, FrictionJacobian, Ground, Integrator, Nystrom, Plane, Real,
-    RigidPointBody, Rk4, SlidingFriction, Solid as Hull, Sphere, SpringDamper, SpringDamperGround,
-    State, StrangSplitting, Surface, SymplecticEuler, Terrain, Trial, UniformGravity,
+    AirDrag, Bowl, Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Dynamics,
+    EnergyMomentum, FlatGround, Flight, ForwardEuler, FrictionJacobian, Ground, Integrator,
+    Nystrom, Plane, Real, RigidPointBody, Rk4, SlidingFriction, Solid as Hull, Sphere,
+    SpringDamper, SpringDamperGround, State, StrangSplitting, Surface, SymplecticEuler, Terrain,
+    Trial, UniformGravity,
 };
 
 /// A table on four soft springs without friction and damping, so that the energy is conserved.
@@ -673,6 +674,17 @@ fn the_limit_of_one_contact_is_that_of_its_effective_mass_and_of_its_friction_in
     // at any step.
     assert_eq!(scene.largest_stable_step(&at(1e-3)), None);
     assert_eq!(scene.largest_stable_step(&at(f64::NAN)), None);
+    let in_air = scene.with_force(AirDrag::linear(0.1)).unwrap();
+    assert_eq!(in_air.largest_stable_step(&at(f64::NAN)), None);
+    // A damper without a spring bounds the step at rest as in motion.
+    let damped = Stepper::new(ball)
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(0.0, 50.0)))
+        .and_then(|stepper| stepper.with_integrator(StrangSplitting { time_step: 1e-3 }))
+        .unwrap();
+    for speed in [0.0, 1e-6, 1.0] {
+        let falling = at(-1e-3).with_linear_velocity(DVec3::Z * -speed);
+        assert!(near(damped.largest_stable_step(&falling), 2.0 * 0.1 / 50.0));
+    }
     let flying = sticks
         .with_integrator(Flight(StrangSplitting { time_step: 1e-3 }))
         .unwrap();

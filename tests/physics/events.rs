@@ -826,6 +826,12 @@ fn chatter_ends_a_run() {
         found.len()
     );
 
+    // Samples of another event do not hide it.
+    let other = Apex.sampled_every(5e-4).unwrap();
+    let events: [&dyn Event; 2] = [&other, &fast];
+    let (_, end) = all(&stepper, State::at(DVec3::Z * 10.0), 1.0, events);
+    assert!(matches!(end, EventEnd::Chatter { event: 1, .. }), "{end:?}");
+
     // A thousand changes within one step: the mantissa of the time is odd or even.
     let noise = |sample: &Sample<'_>| {
         if sample.time.to_bits() % 2 == 0 {

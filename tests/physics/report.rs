@@ -15,7 +15,7 @@ use core::f64::consts::TAU;
 use core::ops::ControlFlow;
 use std::sync::OnceLock;
 use tumble::glam::{DVec2, DVec3};
-use tumble::{Sample, Trial};
+use tumble::{EnergyMomentum, Sample, Trial};
 
 const MASS: f64 = 1.0;
 const RADIUS: f64 = 0.5;
@@ -35,6 +35,22 @@ const ENERGY_AT_REST: f64 = -(MASS * GRAVITY) * (MASS * GRAVITY) / (2.0 * STIFFN
 /// A trial of the report.
 fn start(trial: usize) -> Trial {
     Trial::report(trial).unwrap()
+}
+
+/// A trial of any tilt starts with its lowest point on the ground, and no spring is compressed.
+#[test]
+fn a_trial_of_any_tilt_starts_on_the_ground() {
+    for degrees in (-400..=400).step_by(20) {
+        let trial = Trial {
+            tilt: f64::from(degrees).to_radians(),
+            ..start(1)
+        };
+        let stepper = trial.stepper(EnergyMomentum { time_step: 1e-3 }).unwrap();
+        let state = trial.state();
+        let lowest = stepper.lowest_point(&state).unwrap();
+        assert!(lowest.gap.abs() < 1e-15, "{degrees} degrees: {lowest:?}");
+        assert!(stepper.energy(&state).springs < 1e-20, "{degrees} degrees");
+    }
 }
 
 /// A moment of a trial.

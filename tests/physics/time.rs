@@ -17,10 +17,31 @@ use tumble::glam::DVec3;
 use tumble::real::Vector;
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Cuboid, DormandPrince54,
-    EnergyMomentum, FlatGround, Flight, ForwardEuler, Integrator, Ledger, Nystrom, Observer,
+    EnergyMomentum, Every, FlatGround, Flight, ForwardEuler, Integrator, Ledger, Nystrom, Observer,
     PointMass, Radau5, Real, RigidPointBody, Rk4, Sample, Sphere, State, StepError,
     StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
 };
+
+/// [`Every`] counts samples, also those between steps, and begins with the first of a run.
+#[test]
+fn every_passes_on_one_sample_in_n() {
+    let stepper = trial().stepper(Rk4 { time_step: 1e-3 }).unwrap();
+    let mut times = Vec::new();
+    let note = |sample: &Sample<'_>| {
+        times.push(sample.time);
+        ControlFlow::Continue(())
+    };
+    let mut every = Timed::every(1.0 / 60.0, Every::steps(60, note).unwrap()).unwrap();
+    let mut state = trial().state();
+    for _ in 0..2 {
+        stepper.run(&mut state, 2.1, &mut every).unwrap();
+    }
+    drop(every);
+    assert_eq!(times.len(), 6, "{times:?}");
+    for (time, expected) in times.iter().zip([0.0, 1.0, 2.0, 0.0, 1.0, 2.0]) {
+        assert!((time - expected).abs() < 1e-9, "{times:?}");
+    }
+}
 
 fn trial() -> Trial {
     Trial {

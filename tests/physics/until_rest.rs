@@ -6,10 +6,11 @@
 #![allow(clippy::float_cmp)]
 
 use crate::kit::erased::Stepper;
+use core::f64::consts::TAU;
 use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::{
     Coulomb, Cuboid, EnergyMomentum, FlatGround, Flight, Integrator, PointMass, Rk4, SolidCoin,
-    State, UniformGravity, UntilRest,
+    Sphere, State, UniformGravity, UntilRest,
 };
 
 const FRICTION: Coulomb = Coulomb {
@@ -120,6 +121,25 @@ fn a_spinning_body_does_not_rest() {
     let mut rest = UntilRest::new(stepper.body(), DISTANCE, 0.25).unwrap();
     stepper.run(&mut slower, 10.0, &mut rest).unwrap();
     assert!(rest.is_reached());
+}
+
+/// A step of a whole revolution ends at the pose at which it began.
+#[test]
+fn a_body_that_turns_whole_revolutions_in_each_step_does_not_rest() {
+    let flight = Flight(EnergyMomentum { time_step: 1e-3 });
+    let ball = Stepper::new(Sphere::solid(1.0, 0.05)).unwrap();
+    let ball = ball.with_integrator(flight).unwrap();
+    for revolutions in [1.0, 2.0, 5.0] {
+        for seconds in [1.0, 1.0 / 60.0] {
+            let spin = DVec3::Z * (TAU * revolutions / seconds);
+            let mut state = ball.with_angular_velocity(State::at(DVec3::ZERO), spin);
+            let mut rest = UntilRest::new(ball.body(), DISTANCE, 0.25).unwrap();
+            for _ in 0..60 {
+                ball.run(&mut state, seconds, &mut rest).unwrap();
+                assert!(!rest.is_reached(), "{revolutions} in {seconds} s");
+            }
+        }
+    }
 }
 
 /// Frame by frame it counts on; a body at rest costs no step, and one that is pushed wakes.
