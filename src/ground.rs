@@ -396,6 +396,18 @@ impl<R: Real> Plane<R> {
         self.normal.dot(point) - self.height
     }
 
+    /// Returns the size of the numbers of which the `gap` at `point` is the sum, m. On a tilted
+    /// plane the horizontal position is one of them.
+    #[inline]
+    pub(crate) fn size_of_gap(&self, gap: R, point: R::Vec3) -> R {
+        let size = if self.is_level() {
+            gap.abs()
+        } else {
+            point.length()
+        };
+        size + self.height.abs()
+    }
+
     /// Checks that the normal has length 1 (to 16 units in the last place) and that the height is
     /// finite.
     ///

@@ -259,7 +259,8 @@ impl<R: Real> Ranges<R> {
         let [before, first, last, after] = &self.ends;
         for i in 0..LANES {
             let normal = axes.get(i).rise();
-            let offset = model.offset(R::ZERO, height, position.get(i).z() - height);
+            let gap = position.get(i).z() - height;
+            let offset = model.offset(R::ZERO, gap.abs() + height.abs(), gap);
             let is_below = |ends: &Vectors<R>| normal.dot(ends.get(i)) < offset;
             let stays = is_below(first) & is_below(last) & !is_below(before) & !is_below(after);
             let stays = stays | (offset < self.empty_below[i]);

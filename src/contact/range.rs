@@ -104,7 +104,7 @@ where
                 } else {
                     (plane.gap(position), axes.to_body(plane.normal))
                 };
-                let offset = self.offset(margin, plane.height, gap);
+                let offset = self.offset(margin, plane.size_of_gap(gap, position), gap);
                 if offset < -self.extent.bounding_radius {
                     ContactRange::NONE
                 } else {
@@ -115,12 +115,13 @@ where
     }
 
     /// Offset of the plane, along its normal from the centre of mass, below which contacts are less
-    /// than `margin` above it, m. `gap` is that of the centre of mass.
+    /// than `margin` above it, m. `gap` is that of the centre of mass, and `size` that of the
+    /// numbers in it.
     #[inline(always)]
-    pub(super) fn offset(&self, margin: R, height: R, gap: R) -> R {
+    pub(super) fn offset(&self, margin: R, size: R, gap: R) -> R {
         // Bound of the rounding of a gap, far larger than the rounding of the body's own
         // arithmetic.
-        let size = gap.abs() + height.abs() + self.extent.bounding_radius;
+        let size = size + self.extent.bounding_radius;
         let rounding = size * (R::EPSILON * R::from_f64(8.0));
         margin + rounding - gap
     }

@@ -315,7 +315,7 @@ impl<'a, R: Real, D: Dynamics<R>> Leg<'a, R, D> {
     #[inline]
     fn rounding(&self, plane: &Plane<R>) -> R {
         let gap = plane.gap(self.state.position);
-        (gap.abs() + plane.height.abs() + self.scene.bounding_radius())
+        (plane.size_of_gap(gap, self.state.position) + self.scene.bounding_radius())
             * (R::EPSILON * R::from_f64(16.0))
     }
 

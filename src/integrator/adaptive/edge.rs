@@ -105,7 +105,10 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
             }
             if here <= R::ZERO {
                 entry = entry.or((gap > R::ZERO).then_some([share, next]));
-                depth = depth.at_least(-here);
+                // That of a contact that touches from the start does not count.
+                if entry.is_some() {
+                    depth = depth.at_least(-here);
+                }
             }
             (share, gap) = (next, here);
         }

@@ -15,11 +15,15 @@
 //! `g = (n, r × n)`. Depths of a hard ground are rounded, and so are the forces of its springs. But
 //! these act along the constraints.
 //!
+//! A displacement along `y` releases `W · y` to first order. That is `2 V`, unless the springs push
+//! the body along a constraint. Then it is far more, and the displacement for the same energy is
+//! far shorter.
+//!
 //! Friction and resistance to rolling may hold the body. They do if they take the power of that
 //! wrench.
 
 use crate::energy::{Dissipation, Energy};
-use crate::force::Force;
+use crate::force::{Force, Wrench};
 use crate::ground::SpringDamperGround;
 use crate::integrator::linear::{Factored, SixBySix};
 use crate::integrator::matrix3::Matrix3;
@@ -59,17 +63,19 @@ impl<R: Real> Descent<R> {
         if !is_at_rest || size == R::ZERO || pull == R::ZERO {
             return None;
         }
-        let slowly = slow_motion(scene, state, pull / size * R::from_f64(SLOW));
-        let [(shift, force), (turn, torque)] = slowly;
-        let twice_released = force.dot(shift) + torque.dot(turn);
+        let slow = SlowMotion::of(scene, state, pull / size * R::from_f64(SLOW));
+        let SlowMotion {
+            shift, turn, drive, ..
+        } = slow;
+        let twice_released = drive.force.dot(shift) + drive.torque.dot(turn);
         if twice_released <= rounding * R::TWO {
             return None;
         }
         let spin = scene.motion(state).angular_velocity;
-        let power = (force.dot(state.linear_velocity) + torque.dot(spin)).abs();
+        let power = (drive.force.dot(state.linear_velocity) + drive.torque.dot(spin)).abs();
         let taken = Dissipation::of(scene, state).total().abs();
         (taken < power * R::from_f64(HELD)).then(|| {
-            let per_energy = R::ONE / twice_released;
+            let per_energy = R::ONE / slow.work;
             Self {
                 shift: shift * per_energy,
                 turn: turn * per_energy,
@@ -102,35 +108,52 @@ impl<R: Real> Descent<R> {
     }
 }
 
-/// Returns the shift and the rotation `y` of the motion with this square of its rate (1/s²), each
-/// with its part of `κ² M y`: force, N, and torque, N m.
-fn slow_motion<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    state: &State<R>,
-    squared_rate: R,
-) -> [(R::Vec3, R::Vec3); 2] {
-    let still = scene.motion(&State {
-        linear_velocity: R::Vec3::ZERO,
-        angular_momentum: R::Vec3::ZERO,
-        ..*state
-    });
-    let properties = scene.inertia_properties();
-    let ([x, y, z], _) = properties.inertia_for_solving(&still.axes, R::Vec3::ZERO);
-    let inertia = Matrix3 { x, y, z }.scaled(squared_rate);
-    let mass = properties.mass() * squared_rate;
-    let stiffness = mass * R::from_f64(STIFF);
-    let mut equations = SixBySix::of_body(mass, &inertia);
-    let (mut force, mut torque) = (scene.gravity() * properties.mass(), R::Vec3::ZERO);
-    scene.visit_contacts(&still, |contact| {
-        let block = Matrix3::outer(contact.normal * stiffness, contact.normal);
-        equations.add_at(&block, contact.arm, contact.arm);
-        let push = contact.force(scene.ground(), scene.friction());
-        force += push;
-        torque += contact.arm.cross(push);
-    });
-    let size = size(scene);
-    let (shift, turn) = Factored::of(equations, size).solve(force, torque, size);
-    [(shift, shift * mass), (turn, inertia.times(turn))]
+/// Shift and rotation `y` of a slow motion under the contacts as constraints.
+struct SlowMotion<R: Real> {
+    /// m
+    shift: R::Vec3,
+    /// rad
+    turn: R::Vec3,
+    /// `κ² M y`
+    drive: Wrench<R>,
+    /// `W · y`, J
+    work: R,
+}
+
+impl<R: Real> SlowMotion<R> {
+    /// Returns the motion with this square of its rate, 1/s².
+    fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, squared_rate: R) -> Self {
+        let still = scene.motion(&State {
+            linear_velocity: R::Vec3::ZERO,
+            angular_momentum: R::Vec3::ZERO,
+            ..*state
+        });
+        let properties = scene.inertia_properties();
+        let ([x, y, z], _) = properties.inertia_for_solving(&still.axes, R::Vec3::ZERO);
+        let inertia = Matrix3 { x, y, z }.scaled(squared_rate);
+        let mass = properties.mass() * squared_rate;
+        let stiffness = mass * R::from_f64(STIFF);
+        let mut equations = SixBySix::of_body(mass, &inertia);
+        let mut wrench = Wrench::<R>::of_force(scene.gravity() * properties.mass());
+        scene.visit_contacts(&still, |contact| {
+            let block = Matrix3::outer(contact.normal * stiffness, contact.normal);
+            equations.add_at(&block, contact.arm, contact.arm);
+            let push = contact.force(scene.ground(), scene.friction());
+            wrench.force += push;
+            wrench.torque += contact.arm.cross(push);
+        });
+        let size = size(scene);
+        let (shift, turn) = Factored::of(equations, size).solve(wrench.force, wrench.torque, size);
+        Self {
+            shift,
+            turn,
+            drive: Wrench {
+                force: shift * mass,
+                torque: inertia.times(turn),
+            },
+            work: wrench.force.dot(shift) + wrench.torque.dot(turn),
+        }
+    }
 }
 
 /// Returns the state in a pose that is shifted (m) and rotated (rad).

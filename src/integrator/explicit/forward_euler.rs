@@ -84,7 +84,8 @@ impl<R: Real> Integrator<R> for ForwardEuler<R> {
             return Some(by_spring);
         }
         let by_damper = R::from_f64(4.0) / (damping + discriminant.sqrt());
-        Some(by_damper.at_most(by_spring))
+        // Without springs and dampers `by_spring` is no number, and the limit infinite.
+        Some(by_spring.at_most(by_damper))
     }
 
     fn check(&self) -> Result<(), SceneError> {

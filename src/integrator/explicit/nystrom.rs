@@ -161,6 +161,7 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
         // No larger step size is stable.
         let by_springs = R::from_f64(3.3) / stiffness.sqrt();
         let longest = (R::from_f64(3.8) / damping).at_most(by_springs);
+        let longest = longest.at_most(R::MAX);
         let part = longest * R::from_f64(1.0 / 64.0);
         let grows = |h: R| oscillator::grows(stiffness * (h * h), damping * h);
         let mut end = part;
