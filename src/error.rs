@@ -205,8 +205,7 @@ pub enum StepError {
     BadState {
         /// The invalid quantity.
         quantity: Quantity,
-        /// Its first component that is not finite, or the length of an orientation, in the SI unit
-        /// of the quantity.
+        /// Its length, in the SI unit of the quantity.
         value: f64,
     },
     /// The applied force changes so fast with the velocities that no part of the step could be

@@ -155,18 +155,15 @@ impl<R: Real> State<R> {
     #[inline(never)]
     pub(crate) fn error_of(&self, quantity: Quantity) -> StepError {
         let [x, y, z, w] = self.orientation.xyzw();
-        let length = (x * x + y * y + (z * z + w * w)).sqrt();
-        let parts = |vector: R::Vec3| [vector.x(), vector.y(), vector.z(), length];
-        let components = match quantity {
-            Quantity::Position => parts(self.position),
-            Quantity::LinearVelocity => parts(self.linear_velocity),
-            Quantity::Orientation => [x, y, z, w],
-            Quantity::AngularMomentum => parts(self.angular_momentum),
+        let length = match quantity {
+            Quantity::Position => self.position.length(),
+            Quantity::LinearVelocity => self.linear_velocity.length(),
+            Quantity::Orientation => (x * x + y * y + (z * z + w * w)).sqrt(),
+            Quantity::AngularMomentum => self.angular_momentum.length(),
         };
-        let invalid = components.into_iter().find(|value| !value.is_finite());
         StepError::BadState {
             quantity,
-            value: invalid.unwrap_or(length).to_f64(),
+            value: length.to_f64(),
         }
     }
 }

@@ -810,7 +810,7 @@ fn invalid_starts_and_scenes_are_refused() {
             let rate = 3.0.into();
             let start = start.with_spin(RandomSpin::Body { axis, rate });
             let start = start.with_tilt(axis, 0.2).with_speed(axis, 1.0);
-            Throw::new(&stepper, start.clone(), 1.0).unwrap();
+            Throw::new(&stepper, start, 1.0).unwrap();
             starts(&start, 0..3)
         });
         assert_eq!(expected, drawn, "{length:e}");

@@ -36,7 +36,6 @@ fn every_passes_on_one_sample_in_n() {
     for _ in 0..2 {
         stepper.run(&mut state, 2.1, &mut every).unwrap();
     }
-    drop(every);
     assert_eq!(times.len(), 6, "{times:?}");
     for (time, expected) in times.iter().zip([0.0, 1.0, 2.0, 0.0, 1.0, 2.0]) {
         assert!((time - expected).abs() < 1e-9, "{times:?}");
