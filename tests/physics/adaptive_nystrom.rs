@@ -190,7 +190,8 @@ fn the_cost_of_spinning_on_the_spot_does_not_depend_on_the_slip_speed() {
 }
 
 /// The slip of a round rim that spins on the spot reverses within the arc that touches. Limited
-/// friction would take that arc for a contact that hardly slips, and a thousand times as many steps.
+/// friction would take that arc for a contact that hardly slips, and a thousand times as many
+/// steps.
 #[test]
 fn a_round_rim_spins_on_the_spot_in_few_more_steps_at_a_small_slip_speed() {
     let upright = DQuat::from_rotation_x(core::f64::consts::FRAC_PI_2);
