@@ -106,14 +106,10 @@ impl<R: Real> UntilRest<R> {
         shift + chord <= self.distance && way <= self.distance
     }
 
-    /// Returns true if a point of the body moves by more than `distance` in `elapsed` seconds. A
-    /// step of a whole revolution ends at the pose at which it began.
-    fn spins(&self, sample: &Sample<'_, R>, elapsed: R) -> bool {
-        if elapsed == R::ZERO {
-            return false;
-        }
-        let spin = sample.rates().angular_velocity.length();
-        self.bounding_radius * spin * elapsed > self.distance
+    /// Returns true if the body rotates by more than a radian in `elapsed` seconds. A step of a
+    /// whole revolution ends at the pose at which it began.
+    fn spins(sample: &Sample<'_, R>, elapsed: R) -> bool {
+        elapsed > R::ZERO && sample.rates().angular_velocity.length() * elapsed > R::ONE
     }
 }
 
@@ -128,7 +124,7 @@ impl<R: Real> Observer<R> for UntilRest<R> {
         let still = self.still + elapsed;
         let stays = before.filter(|seen| {
             self.stays(seen, &now, elapsed)
-                && (still < self.seconds || !self.spins(sample, elapsed))
+                && (still < self.seconds || !Self::spins(sample, elapsed))
         });
         self.still = stays.map_or(R::ZERO, |_| still);
         self.seen = Some(Seen {
