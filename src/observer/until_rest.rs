@@ -13,7 +13,8 @@ use crate::state::State;
 ///
 /// A single state does not suffice, because a body is also slow in the middle of a bounce, or when
 /// a rocking coin reverses. So the observer stores the pose at which the body last moved. It
-/// compares poses and evaluates no force, so its cost is very small.
+/// compares poses, so its cost is very small. A step of whole revolutions ends at the pose at which
+/// it began, so a body that rotates by more than a radian in a step is not at rest.
 ///
 /// One observer may be used for successive runs, as in a game frame by frame. It then continues
 /// counting. It restarts if the state was changed between two runs: a body that is pushed wakes up.
