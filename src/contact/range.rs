@@ -99,12 +99,15 @@ where
             GroundBounds::Nowhere => ContactRange::NONE,
             GroundBounds::Everywhere => ContactRange::all(self.body.contacts().len()),
             GroundBounds::Plane(plane) | GroundBounds::Below(plane) => {
-                let (gap, normal) = if plane.is_level() {
-                    (position.z() - plane.height, axes.rise())
+                let (gap, size, normal) = if plane.is_level() {
+                    let gap = position.z() - plane.height;
+                    (gap, gap.abs(), axes.rise())
                 } else {
-                    (plane.gap(position), axes.to_body(plane.normal))
+                    // The gap is the sum of numbers as large as the horizontal position.
+                    let size = position.length();
+                    (plane.gap(position), size, axes.to_body(plane.normal))
                 };
-                let offset = self.offset(margin, plane.size_of_gap(gap, position), gap);
+                let offset = self.offset(margin, size + plane.height.abs(), gap);
                 if offset < -self.extent.bounding_radius {
                     ContactRange::NONE
                 } else {
