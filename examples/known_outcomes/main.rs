@@ -252,7 +252,8 @@ impl Subject {
             return Ok(fs::write(self.quick_table(), text)?);
         }
         let begin = format!(
-            "<!-- {name}: begin; written by `known_outcomes -- --{name} --percent {percent} --write` -->"
+            "<!-- {name}: begin; \
+             written by `known_outcomes -- --{name} --percent {percent} --write` -->"
         );
         let end = format!("<!-- {name}: end -->");
         marked::write(page, [&begin, &end], text)

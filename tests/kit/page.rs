@@ -27,7 +27,8 @@ impl Table {
         } else {
             assert!(
                 stored == rows,
-                "the table has changed; `UPDATE=1 {}` stores it if that is meant\nstored:\n{stored}\nnow:\n{rows}",
+                "the table has changed; `UPDATE=1 {}` stores it if that is meant\n\
+                 stored:\n{stored}\nnow:\n{rows}",
                 self.command
             );
         }

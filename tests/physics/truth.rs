@@ -716,7 +716,10 @@ fn eight_trials(ground: impl SpringDamperGround + Copy) -> Vec<(Trial, State)> {
 /// The table of `guide::accuracy`.
 const ORDERS: Table = Table {
     page: "accuracy",
-    begin: "<!-- orders: begin; rows written by `UPDATE=1 cargo test --test physics orders_through` -->\n\n| integrator | ground | smallest | median | largest |\n|---|---|---|---|---|\n",
+    begin: "<!-- orders: begin; rows written by \
+            `UPDATE=1 cargo test --test physics orders_through` -->\n\n\
+            | integrator | ground | smallest | median | largest |\n\
+            |---|---|---|---|---|\n",
     end: "\n<!-- orders: end -->",
     command: "cargo test --test physics orders_through",
 };

@@ -14,7 +14,10 @@ const RADIUS: f64 = 0.008; // m
 
 const SPEEDS: Table = Table {
     page: "game",
-    begin: "<!-- walls: begin; rows written by `UPDATE=1 cargo test --test physics walls` -->\n\n| step size | 2 cm | 5 cm | 10 cm |\n|---|---|---|---|\n",
+    begin: "<!-- walls: begin; rows written by \
+            `UPDATE=1 cargo test --test physics walls` -->\n\n\
+            | step size | 2 cm | 5 cm | 10 cm |\n\
+            |---|---|---|---|\n",
     end: "\n<!-- walls: end -->",
     command: "cargo test --test physics walls",
 };

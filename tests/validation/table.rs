@@ -290,7 +290,10 @@ fn in_words(error: f64, size: f64) -> String {
 /// The table of the chapter `guide::validation`.
 pub(crate) const TABLE: Table = Table {
     page: "validation",
-    begin: "<!-- table: begin; rows written by `UPDATE=1 cargo test --test validation` -->\n\n| | what | formula | expected | got | error | tolerance | source |\n|---|---|---|---|---|---|---|---|\n",
+    begin: "<!-- table: begin; rows written by \
+            `UPDATE=1 cargo test --test validation` -->\n\n\
+            | | what | formula | expected | got | error | tolerance | source |\n\
+            |---|---|---|---|---|---|---|---|\n",
     end: "\n<!-- table: end -->",
     command: "cargo test --test validation",
 };
