@@ -42,6 +42,9 @@ pub enum Rule {
     Closed,
     /// Large enough for a finite inverse.
     FiniteInverse,
+    /// Large enough that forces and masses can be divided by it: at least 1e-277 in f64, and 2e-25
+    /// in f32.
+    SafeDivisor,
 }
 
 impl core::fmt::Display for Rule {
@@ -64,6 +67,7 @@ impl core::fmt::Display for Rule {
             Self::Even => "must be even",
             Self::Closed => "must be closed",
             Self::FiniteInverse => "must not be so small that its inverse overflows",
+            Self::SafeDivisor => "must not be so small that a force divided by it overflows",
         })
     }
 }
@@ -164,6 +168,29 @@ pub(crate) fn finite_inverse<R: Real>(
 ) -> Result<(), SceneError> {
     let is_finite = (R::ONE / value).is_finite();
     obey(is_finite, Rule::FiniteInverse, quantity, value, unit)
+}
+
+/// Checks that a quantity is finite and positive, and that forces can be divided by it.
+///
+/// # Errors
+/// Returns [`SceneError`] if it is not. The error names the quantity, the rule, the value and the
+/// unit.
+pub(crate) fn safe_divisor<R: Real>(
+    quantity: &'static str,
+    value: R,
+    unit: &'static str,
+) -> Result<(), SceneError> {
+    above_zero(quantity, value, unit)?;
+    // The largest number less two factors of the precision: in f32 room for a force of 1e14 N, or
+    // for less and an inverse mass by which a step multiplies the result.
+    let largest_inverse = R::MAX * (R::EPSILON * R::EPSILON);
+    let is_safe = R::ONE / value <= largest_inverse;
+    obey(is_safe, Rule::SafeDivisor, quantity, value, unit)
+}
+
+/// Checks the slip speed of a friction law, m/s, by which the friction is divided.
+pub(crate) fn slip_speed<R: Real>(value: R) -> Result<(), SceneError> {
+    safe_divisor("slip speed of the friction", value, " m/s")
 }
 
 fn obey<R: Real>(

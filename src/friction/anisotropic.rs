@@ -148,6 +148,6 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
         let [along, across] = self.coefficients;
         error::at_least_zero("coefficient of friction along the grain", along, "")?;
         error::at_least_zero("coefficient of friction across the grain", across, "")?;
-        error::above_zero("slip speed of the friction", self.slip_speed, " m/s")
+        error::slip_speed(self.slip_speed)
     }
 }

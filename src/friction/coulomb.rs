@@ -127,5 +127,5 @@ impl<R: Real> SlidingFriction<R> for SmoothCoulomb<R> {
 
 fn check<R: Real>(coefficient: R, slip_speed: R) -> Result<(), SceneError> {
     error::at_least_zero("coefficient of friction", coefficient, "")?;
-    error::above_zero("slip speed of the friction", slip_speed, " m/s")
+    error::slip_speed(slip_speed)
 }

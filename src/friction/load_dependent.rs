@@ -111,6 +111,6 @@ impl<R: Real> SlidingFriction<R> for LoadDependentCoulomb<R> {
             self.transition_load,
             " N",
         )?;
-        error::above_zero("slip speed of the friction", self.slip_speed, " m/s")
+        error::slip_speed(self.slip_speed)
     }
 }

@@ -178,6 +178,6 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R>
         }
         error::at_least_zero("length of the rolling resistance", self.rolling, " m")?;
         error::at_least_zero("length of the spinning resistance", self.spinning, " m")?;
-        error::above_zero("turn speed of the resistance", self.turn_speed, " rad/s")
+        error::safe_divisor("turn speed of the resistance", self.turn_speed, " rad/s")
     }
 }

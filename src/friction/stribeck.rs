@@ -104,6 +104,6 @@ impl<R: Real> SlidingFriction<R> for Stribeck<R> {
             " m/s",
         )?;
         error::at_least_zero("viscous friction", self.viscous, " s/m")?;
-        error::above_zero("slip speed of the friction", self.slip_speed, " m/s")
+        error::slip_speed(self.slip_speed)
     }
 }

@@ -94,6 +94,13 @@ const ABOVE_ZERO: (Rule, &[f64], &[f64]) = (
     &[0.0, -0.0, -1.0, -5e-324, -f64::MAX],
     &[5e-324, 1e-100, 1.0, 1e100, f64::MAX],
 );
+/// Like [`ABOVE_ZERO`], for what forces are divided by: a number that is too small for it has a
+/// message of its own, in [`a_force_divided_by_a_slip_speed_does_not_overflow`].
+const DIVISOR: (Rule, &[f64], &[f64]) = (
+    Rule::AboveZero,
+    &[0.0, -0.0, -1.0, -5e-324, -f64::MAX],
+    &[1e-270, 1e-100, 1.0, 1e100, f64::MAX],
+);
 /// Refused: less than 0, and what is not finite.
 const AT_LEAST_ZERO: (Rule, &[f64], &[f64]) = (
     Rule::AtLeastZero,
@@ -1046,7 +1053,7 @@ fn the_numbers_of_friction_that_falls_with_the_load_are_in_their_ranges() {
             ..law
         })
     });
-    refuses("slip speed of the friction", ABOVE_ZERO, " m/s", |number| {
+    refuses("slip speed of the friction", DIVISOR, " m/s", |number| {
         with(LoadDependentCoulomb {
             slip_speed: number,
             ..law
@@ -1103,7 +1110,7 @@ fn the_numbers_of_stribecks_friction_are_in_their_ranges() {
             ..law
         })
     });
-    refuses("slip speed of the friction", ABOVE_ZERO, " m/s", |number| {
+    refuses("slip speed of the friction", DIVISOR, " m/s", |number| {
         with(Stribeck {
             slip_speed: number,
             ..law
@@ -1141,7 +1148,7 @@ fn the_numbers_of_turning_resistance_are_in_their_ranges() {
     );
     refuses(
         "turn speed of the resistance",
-        ABOVE_ZERO,
+        DIVISOR,
         " rad/s",
         |turn_speed| with(WithResistance { turn_speed, ..law }),
     );
@@ -1189,7 +1196,7 @@ fn the_numbers_of_friction_with_a_grain_are_in_their_ranges() {
             with(law)
         });
     }
-    refuses("slip speed of the friction", ABOVE_ZERO, " m/s", |number| {
+    refuses("slip speed of the friction", DIVISOR, " m/s", |number| {
         let mut law = law;
         law.slip_speed = number;
         with(law)
@@ -1305,7 +1312,7 @@ fn the_slip_speed_of_friction_is_above_zero() {
     let coefficient = 0.3;
     refuses(
         "slip speed of the friction",
-        ABOVE_ZERO,
+        DIVISOR,
         " m/s",
         |slip_speed| {
             body().with_friction(Coulomb {
@@ -1316,7 +1323,7 @@ fn the_slip_speed_of_friction_is_above_zero() {
     );
     refuses(
         "slip speed of the friction",
-        ABOVE_ZERO,
+        DIVISOR,
         " m/s",
         |slip_speed| {
             body().with_friction(SmoothCoulomb {
@@ -1325,6 +1332,89 @@ fn the_slip_speed_of_friction_is_above_zero() {
             })
         },
     );
+}
+
+/// A box of 50 kg slides and turns on stiff ground, under forces of up to 1e5 N. The law has a
+/// divisor that is just large enough. One that is just too small is refused.
+fn a_divisor_is_large_enough<R: Real, F: SlidingFriction<R> + Copy>(law: impl Fn(R) -> F) {
+    let real = R::from_f64;
+    let vector = |x, y, z| R::Vec3::new(real(x), real(y), real(z));
+    let body = Cuboid::<R>::solid(real(50.0), vector(0.3, 0.2, 0.1));
+    let (gravity, time_step) = (UniformGravity::down(real(9.81)), real(1e-3));
+    let scene = |divisor: f64| {
+        Stepper::<EnergyMomentum<R>, R>::builder(body)
+            .gravity(gravity)
+            .ground(FlatGround::<R>::level(real(1e7), real(100.0)))
+            .friction(law(real(divisor)))
+            .integrator(EnergyMomentum { time_step })
+            .build()
+    };
+    let least = 1.0 / (R::MAX.to_f64() * R::EPSILON.to_f64().powi(2));
+    let error = scene(0.9 * least).unwrap_err();
+    assert_eq!(error.rule, Rule::SafeDivisor);
+    assert_eq!(error.value, real(0.9 * least).to_f64());
+    assert!(error.quantity.contains(" speed of the "), "{error}");
+    let start = State::at(vector(0.0, 0.0, 0.05))
+        .with_linear_velocity(vector(1.0, 0.5, -1.0))
+        .with_angular_momentum(vector(1.0, 0.0, 10.0));
+    let mut state = start;
+    scene(1.1 * least)
+        .unwrap()
+        .advance(&mut state, real(0.2))
+        .unwrap();
+    let distance = state.position.x().to_f64();
+    assert!(
+        state.not_finite().is_none() && (0.01..0.199).contains(&distance),
+        "{distance}"
+    );
+}
+
+#[test]
+fn a_force_divided_by_a_slip_speed_does_not_overflow() {
+    divisors_are_large_enough::<f64>();
+    divisors_are_large_enough::<f32>();
+}
+
+fn divisors_are_large_enough<R: Real>() {
+    let (coefficient, other) = (R::from_f64(0.3), R::from_f64(0.2));
+    a_divisor_is_large_enough(|slip_speed: R| Coulomb {
+        coefficient,
+        slip_speed,
+    });
+    a_divisor_is_large_enough(|slip_speed: R| SmoothCoulomb {
+        coefficient,
+        slip_speed,
+    });
+    a_divisor_is_large_enough(|slip_speed: R| LoadDependentCoulomb {
+        coefficient,
+        transition_load: R::ONE,
+        slip_speed,
+    });
+    a_divisor_is_large_enough(|slip_speed: R| Stribeck {
+        static_coefficient: coefficient,
+        kinetic_coefficient: other,
+        stribeck_speed: R::ONE,
+        viscous: R::ZERO,
+        slip_speed,
+    });
+    let axis = |x, y, z| R::Vec3::new(R::from_f64(x), R::from_f64(y), R::from_f64(z));
+    a_divisor_is_large_enough(|slip_speed: R| {
+        AnisotropicCoulomb::on(
+            axis(0.0, 0.0, 1.0),
+            axis(1.0, 0.0, 0.0),
+            [coefficient, other],
+            slip_speed,
+        )
+    });
+    a_divisor_is_large_enough(|turn_speed: R| WithResistance {
+        friction: Coulomb {
+            coefficient,
+            slip_speed: R::from_f64(1e-3),
+        },
+        rolling: R::from_f64(1e-4),
+        spinning: R::from_f64(1e-3),
+        turn_speed,
+    });
 }
 
 #[test]
@@ -1553,7 +1643,7 @@ fn a_knob_of_a_trial_that_cannot_be_is_refused_when_its_scene_is_composed() {
     );
     refuses(
         "slip speed of the friction",
-        ABOVE_ZERO,
+        DIVISOR,
         " m/s",
         |slip_speed| {
             with(Trial {
