@@ -16,6 +16,8 @@
 //! `e = SHARE tolerance √(tolerance/L)`. At a discontinuity of a force the error of a step is
 //! proportional to `h` or less, so a step that is short enough is always accepted.
 
+mod varying_friction;
+
 use super::embedded_pair::Settings;
 use super::embedded_pair::control::{self, Control, Errors};
 use crate::contact::Motion;
@@ -40,7 +42,9 @@ use crate::state::State;
 /// |δx| + r |δφ| + 0.2 s (|δv| + r |δω|)  <=  0.3 tolerance √(tolerance/r) + rounding
 /// ```
 /// Here `r` is the bounding radius of the body (or its radius of gyration, if that is larger), and
-/// `δφ` and `δω` are the errors of the rotation and of the angular velocity. The rounding is 16 ε
+/// `δφ` and `δω` are the errors of the rotation and of the angular velocity. Where the friction
+/// varies with the position, the estimate is at least what a jump of the friction within the step
+/// may change. The rounding is 16 ε
 /// of position and speed, plus what the roundings of the angular momentum, of the energy and of the
 /// depths change in the velocities. The root makes the error of a run proportional to the
 /// tolerance. It counts as 1 for a tolerance above `r`.
@@ -367,13 +371,19 @@ impl<R: Real> Doubled<R> {
         };
         let (mut whole, mut end) = (*start, *start);
         let half = seconds * R::HALF;
-        let halves = [advance(&mut end, half)?, advance(&mut end, seconds - half)?];
+        let first = advance(&mut end, half)?;
+        let middle = end;
+        let halves = [first, advance(&mut end, seconds - half)?];
         let is_divided = advance(&mut whole, seconds)?.fallback;
         let motion = Point::of(&end).motion(scene);
         let difference = Point::of(&whole).plus(&Point::of(&end), -R::ONE);
         let errors = Errors::of(scene, &difference, &motion)
             .within(HORIZON)
             .scaled(RICHARDSON);
+        let errors = match varying_friction::error_of(scene, [start, &middle, &end], seconds) {
+            Some(jump) => errors.or_larger(jump.within(HORIZON)),
+            None => errors,
+        };
         let mut allowed = allowed(settings, scene, &motion);
         if errors.total() > allowed {
             allowed += rounding_of_energies(scene, [start, &end]);

@@ -90,6 +90,16 @@ impl<R: Real> Errors<R> {
         }
     }
 
+    /// Returns the errors with the larger total.
+    #[inline]
+    pub(in crate::integrator::adaptive) fn or_larger(self, other: Self) -> Self {
+        if other.total() > self.total() {
+            other
+        } else {
+            self
+        }
+    }
+
     #[inline]
     pub(super) fn add_discontinuities(&mut self, discontinuities: &Discontinuities<R>) {
         self.linear_velocity += discontinuities.velocity * R::from_f64(HORIZON);
