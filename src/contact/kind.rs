@@ -64,7 +64,7 @@ where
 
     /// Returns true if a rim may be less than `margin` (m) above a plane.
     #[inline(always)]
-    pub(crate) fn has_rim_within(
+    fn has_rim_within(
         &self,
         margin: R,
         plane: &Plane<R>,
@@ -75,6 +75,21 @@ where
             plane.gap(position) - lowest <= margin
         };
         self.body.rims().iter().any(is_near)
+    }
+
+    /// Returns true if a rim may be less than `margin` (m) above one surface of the ground.
+    #[inline]
+    pub(crate) fn has_rim_near(
+        &self,
+        surface: usize,
+        margin: R,
+        pose: (R::Vec3, &Axes<R>),
+    ) -> bool {
+        if !self.has_rims() || self.is_nowhere(surface) {
+            return false;
+        }
+        let plane = self.plane_above(surface);
+        plane.is_none_or(|plane| self.has_rim_within(margin, &plane, pose))
     }
 
     /// The ground, if it is one plane.

@@ -48,6 +48,7 @@ mod shared;
 mod soften;
 mod split;
 mod stiffness;
+mod strain;
 mod touch;
 mod turning;
 mod work;
@@ -56,6 +57,7 @@ mod workspace;
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
+use crate::force::Force;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
 use crate::real::Real;
@@ -513,16 +515,18 @@ fn attempt<R: Real, D: Dynamics<R>>(
     (problem.unpushed, problem.force_seconds) = (part.unpushed, part.force_seconds);
     for candidates in [Candidates::Near, Candidates::All] {
         gather(&problem, contacts, candidates);
-        let end = if contacts.is_empty() {
-            End::without_work(fly(&problem))
-        } else {
-            problem.prepare();
-            let Some(end) = whole(&problem, energy, contacts, step) else {
-                break;
-            };
-            end
+        let (end, (after, touching)) = match flight(&problem, contacts) {
+            Some(flown) => flown,
+            None if contacts.is_empty() => continue,
+            None => {
+                problem.prepare();
+                let Some(end) = whole(&problem, energy, contacts, step) else {
+                    break;
+                };
+                let after = Energy::with_touching(scene, &end.state);
+                (end, after)
+            }
         };
-        let (after, touching) = Energy::with_touching(scene, &end.state);
         // A contact that was not collected touches at the end: collect all contacts.
         let is_complete = candidates == Candidates::All
             || contacts.includes_those_at(&problem, (&end.state, touching));
@@ -574,6 +578,21 @@ fn limited<R: Real, D: Dynamics<R>>(
     energy_limit::hold(scene, known, (&end.state, after), contact, step)
 }
 
+/// Returns the end of a free flight, with its energy, if no contact touches at its start or at its
+/// end. A mean force is then 0 too.
+#[inline(always)]
+fn flight<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &Contacts<R>,
+) -> Option<(End<R>, (Energy<R>, usize))> {
+    if !contacts.begin_above_ground(problem) {
+        return None;
+    }
+    let end = End::without_work(fly(problem));
+    let (after, touching) = Energy::with_touching(problem.scene, &end.state);
+    (touching == 0).then_some((end, (after, touching)))
+}
+
 /// Free flight without an iteration, exact to rounding. It is not inlined, because its preparation
 /// would then be computed for steps in contact too.
 #[inline(never)]
@@ -606,7 +625,13 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
         ),
         ..plain
     };
-    flight_rounding::on_parabola(start, drawn, gravity)
+    // Another force than gravity changes the velocity between two flights, and so the constant of
+    // the path.
+    if problem.scene.force().acts() {
+        drawn
+    } else {
+        flight_rounding::on_parabola(start, drawn, gravity)
+    }
 }
 
 /// Solves the whole step by Newton's method, and then applies the end-velocity correction of
@@ -622,7 +647,7 @@ fn whole<R: Real, D: Dynamics<R>>(
     let mut trial = problem.first_trial(energy);
     let strain = newton::solve(problem, contacts, &mut trial, step)?;
     let mut end = problem.end_of(&trial);
-    let strain = strain.of_step(problem);
+    let strain = strain.of_step(problem).with_arms(problem, contacts, &end);
     let ahead = if strain.is_resolved() && !problem.resists_turning() {
         Ahead::NONE
     } else {

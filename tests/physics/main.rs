@@ -30,6 +30,7 @@ mod many_states;
 mod once;
 mod outcome;
 mod rigidity;
+mod rim_dips;
 mod step_at_rest;
 mod stick_on_slopes;
 mod symmetry;

@@ -1,8 +1,8 @@
 //! Momentum balance of a trial step: its residual, and the scale on which that is rounding.
 
 use super::contacts::Contacts;
-use super::end_velocity::Strain;
 use super::problem::{Problem, TrialStep};
+use super::strain::Strain;
 use super::touch::Push;
 use crate::real::{Real, Vector, is_single};
 use crate::scene::Dynamics;

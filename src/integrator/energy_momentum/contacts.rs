@@ -256,6 +256,15 @@ impl<R: Real> Contacts<R> {
         self.len() == 0 && !self.with_rim
     }
 
+    /// Returns true if all contacts are known to be above the ground at the start of the step.
+    #[inline]
+    pub(super) fn begin_above_ground<D: Dynamics<R>>(&self, problem: &Problem<'_, R, D>) -> bool {
+        let is_above = |touch: &Touch<R>| touch.push.depth <= R::ZERO;
+        !self.has_others()
+            && self.stored().iter().all(is_above)
+            && !(self.with_rim && problem.has_rim_below_ground())
+    }
+
     /// Returns true if all contacts that are below the ground at the `end` of the step were
     /// collected. There are `touching` of them.
     pub(super) fn includes_those_at<D: Dynamics<R>>(

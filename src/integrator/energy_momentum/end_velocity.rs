@@ -1,8 +1,8 @@
 //! End-velocity correction for steps that do not resolve friction or damping.
 //!
 //! Friction or a damper resists a slip `u` with the force `c u`. The slip approaches its steady
-//! value `u*` in a step as `e^-z`, with the strain `z = h c/m`. The mean slip of the step is nearer
-//! to `u*` by the factor `1 + z/2`, which is correct. The end slip, however, follows as
+//! value `u*` in a step as `e^-z`, with the [strain](super::strain) `z`. The mean slip of the step
+//! is nearer to `u*` by the factor `1 + z/2`, which is correct. The end slip, however, follows as
 //! `(1 - z/2)/(1 + z/2)`. Beyond `z = 2` it changes its sign, and for `z >> 2` it oscillates for
 //! ever. A sticking contact would never rest, and an over-damped floor would throw a body back.
 //!
@@ -54,6 +54,7 @@ use super::applied::Ahead;
 use super::contacts::Contacts;
 use super::problem::{Problem, TrialStep};
 use super::resist::Resistance;
+use super::strain::{Strain, leverage};
 use super::touch::{Push, Touch};
 use crate::contact::Motion;
 use crate::friction::FrictionJacobian;
@@ -65,71 +66,6 @@ use crate::state::State;
 
 /// Number of passes that fit the impulses of the dampers to their limits.
 const PASSES: u32 = 4;
-
-/// Resistance of all contacts to sliding and to closing, N s/m.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Strain<R> {
-    contacts: R,
-    friction: R,
-    damping: R,
-}
-
-impl<R: Real> Strain<R> {
-    pub(super) const NONE: Self = Self {
-        contacts: R::ZERO,
-        friction: R::ZERO,
-        damping: R::ZERO,
-    };
-
-    #[inline]
-    pub(super) fn add(&mut self, push: &Push<R>, jacobian: &FrictionJacobian<R>) {
-        self.contacts += R::ONE;
-        self.friction += jacobian.coefficient;
-        self.damping += push.mean.damping;
-    }
-
-    /// Strain of the stored contacts at the trial for which they were last evaluated, with that of
-    /// the `others`.
-    pub(super) fn at<D: Dynamics<R>>(
-        problem: &Problem<'_, R, D>,
-        contacts: &Contacts<R>,
-        others: Self,
-    ) -> Self {
-        let mut strain = others;
-        contacts.recall(problem, |touch, jacobian| strain.add(&touch.push, jacobian));
-        strain
-    }
-
-    /// Impulse of friction (N s) over a path (m) along the ground, if the slope of friction is that
-    /// of stick.
-    #[inline]
-    pub(super) fn friction_over(&self, path: R) -> R {
-        self.friction * path
-    }
-
-    /// Strain of friction and dampers in a step, `z = h Σc/m`. Above 2 the step does not resolve
-    /// them.
-    #[inline]
-    pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {
-        let factor = problem.seconds / problem.mass;
-        Self {
-            friction: self.friction * factor,
-            damping: self.damping * factor,
-            ..*self
-        }
-    }
-
-    /// Returns true if neither friction nor a damper resists.
-    #[inline]
-    pub(super) fn is_none(&self) -> bool {
-        self.friction == R::ZERO && self.damping == R::ZERO
-    }
-
-    #[inline]
-    pub(super) fn is_resolved(&self) -> bool {
-        self.friction <= R::TWO && self.damping <= R::TWO
-    }
-}
 
 /// Returns the end of a trial after friction and dampers have corrected its velocities, and
 /// resistance to rolling and spinning by a matrix `turning`.
@@ -201,7 +137,7 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         let place = push.end_arm - n * push.radius;
         let end = self.motion.velocity_at(place);
         let along = chord(push, jacobian, end - n * end.dot(n));
-        let along = self.per_speed(along, self.share(along, self.strain.friction));
+        let along = self.per_speed(along, self.share(along, self.strain.friction, R::ONE));
         let rising = self.rising(push);
         let (across, is_limited) = self.across(push, (n, place), after);
         // A slide has the friction of the load that the damper leaves.
@@ -254,7 +190,8 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         after: Option<&Motion<R>>,
     ) -> (R, bool) {
         let damping = push.mean.damping;
-        let share = self.share(damping, self.strain.damping);
+        let leverage = leverage(self.problem, &self.motion.axes, place.cross(normal));
+        let share = self.share(damping, self.strain.damping, leverage);
         let across = self.per_speed(damping, share);
         // The ground may take back as much impulse as it has given, but never pull.
         let limit = self.per_speed(push.mean.force, share);
@@ -285,11 +222,11 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         coefficient * (self.problem.seconds * share)
     }
 
-    /// Factor θ of a contact with the coefficient c (N s/m). Every other contact is assumed to have
-    /// the same strain, but the sum is at most the strain of all contacts. A sliding contact next
-    /// to a sticking one is therefore resolved as it would be alone.
-    fn share(&self, coefficient: R, strain_of_all: R) -> R {
-        let own = coefficient * (self.problem.seconds / self.problem.mass);
+    /// Factor θ of a contact with the coefficient c (N s/m) and a [`leverage`]. Every other contact
+    /// is assumed to have the same strain, but the sum is at most the strain of all contacts. A
+    /// sliding contact next to a sticking one is therefore resolved as it would be alone.
+    fn share(&self, coefficient: R, strain_of_all: R, leverage: R) -> R {
+        let own = coefficient * (self.problem.seconds / self.problem.mass) * leverage;
         share_of((own * self.strain.contacts).at_most(strain_of_all))
     }
 }

@@ -28,7 +28,7 @@ pub(super) fn gather<R: Real, D: Dynamics<R>>(
     for surface in 0..problem.surfaces() {
         let reach = match problem.plane_of(surface).filter(|_| !all) {
             Some(plane) => near_plane(problem, surface, &plane),
-            None if all || problem.surfaces() == 1 => everything(problem, surface),
+            None if all => everything(problem, surface),
             None => near_surface(problem, surface),
         };
         contacts.gather(problem, surface, &reach);
@@ -36,7 +36,7 @@ pub(super) fn gather<R: Real, D: Dynamics<R>>(
     contacts.thin_out(problem);
 }
 
-/// All contacts, for a surface that may be anywhere.
+/// All contacts, unless the surface is nowhere.
 fn everything<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u32) -> Reach<R> {
     let anywhere = !problem.scene.contact_model().is_nowhere(surface as usize);
     let all = ContactRange::all(problem.scene.body().contacts().len());
@@ -61,7 +61,7 @@ fn near_surface<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, surface: u
     Reach {
         range: model.range_of_surface(surface as usize, path, motion.position, &motion.axes),
         bend: path,
-        with_rims: true,
+        with_rims: problem.has_rim_near(surface, path),
         ..Reach::NONE
     }
 }
@@ -94,6 +94,6 @@ fn near_plane<R: Real, D: Dynamics<R>>(
         tilt,
         bend,
         // A rim counts as a whole, because its lowest point may be another one at the end.
-        with_rims: model.has_rim_within(margin, plane, (motion.position, &motion.axes)),
+        with_rims: problem.has_rim_near(surface, margin),
     }
 }

@@ -54,11 +54,11 @@ use super::balance::{
     Balance, Iterate, Scale, Sum, norm, residual, size_of_motion, tolerance, without_excess,
 };
 use super::contacts::Contacts;
-use super::end_velocity::Strain;
 use super::hard;
 use super::problem::{Forces, Problem, TrialStep};
 use super::rolling::{self, Rolling};
 use super::stiffness::{self, Others};
+use super::strain::Strain;
 use super::touch::{Increment, Push};
 use crate::body::RigidPointBody;
 use crate::integrator::Step;

@@ -282,6 +282,22 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         self.scene.contact_model().has_rims()
     }
 
+    /// Returns true if a rim may be less than `margin` (m) above a surface at the start.
+    #[inline]
+    pub(super) fn has_rim_near(&self, surface: u32, margin: R) -> bool {
+        let (model, pose) = (
+            self.scene.contact_model(),
+            (self.motion.position, &self.motion.axes),
+        );
+        model.has_rim_near(surface as usize, margin, pose)
+    }
+
+    /// Returns true if a rim may be below the ground at the start.
+    #[inline]
+    pub(super) fn has_rim_below_ground(&self) -> bool {
+        (0..self.surfaces()).any(|surface| self.has_rim_near(surface, R::ZERO))
+    }
+
     /// Mean force of a surface on a contact whose depth changes uniformly from `start` to `end`
     /// over the step.
     #[inline(always)]

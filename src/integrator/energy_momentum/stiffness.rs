@@ -7,9 +7,9 @@
 use super::answer::{Answer, LinearFriction};
 use super::contacts::Contacts;
 use super::dual::direction;
-use super::end_velocity::Strain;
 use super::level::{Level, LevelPath};
 use super::problem::{Problem, TrialStep};
+use super::strain::Strain;
 use super::touch::{Push, Touch};
 use crate::friction::Metric;
 use crate::integrator::linear::SixBySix;

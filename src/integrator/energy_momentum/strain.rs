@@ -1,0 +1,212 @@
+//! Strain of friction and dampers in a step: whether the step resolves them.
+//!
+//! A contact that resists a velocity `u` with the force `c u` slows it as `e^-z` in a step, with
+//! `z = h c/M`. A contact with the arm `r` and the normal `n` feels the mass `M`, with
+//! `1/M = 1/m + (r × n)·J⁻¹ (r × n)`. Several dampers slow each motion of the body, and the fastest
+//! of these has the largest eigenvalue of `M⁻¹ Σ cᵢ uᵢ uᵢᵀ`, with the mass matrix `M` and
+//! `uᵢ = (nᵢ, rᵢ × nᵢ)`. It follows by the power method, in a few passes over the contacts.
+//!
+//! Friction is computed with the mass `m` of the body. Its slip is of the size of the slip speed.
+
+use super::contacts::Contacts;
+use super::problem::Problem;
+use super::touch::Push;
+use crate::friction::FrictionJacobian;
+use crate::real::{Real, Vector};
+use crate::rotation::Axes;
+use crate::scene::Dynamics;
+use crate::state::State;
+
+/// Passes of the power method. They find an eigenvalue that is twice the next one to 0.4 %.
+const PASSES: u32 = 4;
+
+/// Resistance of all contacts to sliding and to closing, N s/m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strain<R> {
+    pub(super) contacts: R,
+    pub(super) friction: R,
+    pub(super) damping: R,
+}
+
+impl<R: Real> Strain<R> {
+    pub(super) const NONE: Self = Self {
+        contacts: R::ZERO,
+        friction: R::ZERO,
+        damping: R::ZERO,
+    };
+
+    #[inline]
+    pub(super) fn add(&mut self, push: &Push<R>, jacobian: &FrictionJacobian<R>) {
+        self.contacts += R::ONE;
+        self.friction += jacobian.coefficient;
+        self.damping += push.mean.damping;
+    }
+
+    /// Strain of the stored contacts at the trial for which they were last evaluated, with that of
+    /// the `others`.
+    pub(super) fn at<D: Dynamics<R>>(
+        problem: &Problem<'_, R, D>,
+        contacts: &Contacts<R>,
+        others: Self,
+    ) -> Self {
+        let mut strain = others;
+        contacts.recall(problem, |touch, jacobian| strain.add(&touch.push, jacobian));
+        strain
+    }
+
+    /// Impulse of friction (N s) over a path (m) along the ground, if the slope of friction is that
+    /// of stick.
+    #[inline]
+    pub(super) fn friction_over(&self, path: R) -> R {
+        self.friction * path
+    }
+
+    /// Strain of friction and dampers in a step, `z = h Σc/m`, as for contacts without an arm. Above
+    /// 2 the step does not resolve them.
+    #[inline]
+    pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {
+        let factor = problem.seconds / problem.mass;
+        Self {
+            friction: self.friction * factor,
+            damping: self.damping * factor,
+            ..*self
+        }
+    }
+
+    /// Returns the strain in a step with that of dampers for the masses that their contacts feel, at
+    /// the orientation of the `end`. It is computed only if it may exceed 2.
+    #[inline]
+    pub(super) fn with_arms<D: Dynamics<R>>(
+        self,
+        problem: &Problem<'_, R, D>,
+        contacts: &Contacts<R>,
+        end: &State<R>,
+    ) -> Self {
+        if self.damping * largest_leverage(problem) <= R::TWO {
+            return self;
+        }
+        Self {
+            damping: self.damping * joint_leverage(problem, contacts, end),
+            ..self
+        }
+    }
+
+    /// Returns true if neither friction nor a damper resists.
+    #[inline]
+    pub(super) fn is_none(&self) -> bool {
+        self.friction == R::ZERO && self.damping == R::ZERO
+    }
+
+    #[inline]
+    pub(super) fn is_resolved(&self) -> bool {
+        self.friction <= R::TWO && self.damping <= R::TWO
+    }
+}
+
+/// Strain of all dampers over that of dampers without an arm, at least 1.
+///
+/// Of contacts beyond the storage, those that are stored are a sample.
+#[cold]
+#[inline(never)]
+fn joint_leverage<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &Contacts<R>,
+    end: &State<R>,
+) -> R {
+    let axes = end.rotation().axes();
+    let (mut sum, mut largest, mut start) = (R::ZERO, R::ZERO, Along::NONE);
+    for push in damped(contacts) {
+        let along = Along::of(push);
+        sum += push.mean.damping;
+        let strain = push.mean.damping * leverage(problem, &axes, along.turning);
+        if strain > largest {
+            (largest, start) = (strain, along);
+        }
+    }
+    let mut motion = start.per_inertia(problem, &axes);
+    let mut rate = largest;
+    for _ in 0..PASSES {
+        let resisted = damped(contacts).fold(Along::NONE, |resisted, push| {
+            let along = Along::of(push);
+            resisted.plus(&along, push.mean.damping * along.dot(&motion))
+        });
+        let slowed = resisted.per_inertia(problem, &axes);
+        let growth = resisted.dot(&slowed) / resisted.dot(&motion);
+        // It is NaN if no damper acts.
+        if !growth.is_finite() || growth <= R::ZERO {
+            break;
+        }
+        rate = growth * problem.mass;
+        motion = Along::NONE.plus(&slowed, R::ONE / growth);
+    }
+    (rate / sum).at_least(R::ONE)
+}
+
+/// The contacts that are stored and push.
+fn damped<R: Real>(contacts: &Contacts<R>) -> impl Iterator<Item = &Push<R>> {
+    (contacts.stored().iter())
+        .map(|touch| &touch.push)
+        .filter(|push| push.is_active())
+}
+
+/// A force and its torque, or a velocity and an angular velocity.
+#[derive(Clone, Copy)]
+struct Along<R: Real> {
+    normal: R::Vec3,
+    turning: R::Vec3,
+}
+
+impl<R: Real> Along<R> {
+    const NONE: Self = Self {
+        normal: R::Vec3::ZERO,
+        turning: R::Vec3::ZERO,
+    };
+
+    /// Unit force of a contact.
+    fn of(push: &Push<R>) -> Self {
+        let arm = push.end_arm - push.normal * push.radius;
+        Self {
+            normal: push.normal,
+            turning: arm.cross(push.normal),
+        }
+    }
+
+    fn dot(&self, other: &Self) -> R {
+        self.normal.dot(other.normal) + self.turning.dot(other.turning)
+    }
+
+    fn plus(self, other: &Self, factor: R) -> Self {
+        Self {
+            normal: self.normal + other.normal * factor,
+            turning: self.turning + other.turning * factor,
+        }
+    }
+
+    /// Change of the velocities by an impulse.
+    fn per_inertia<D: Dynamics<R>>(self, problem: &Problem<'_, R, D>, axes: &Axes<R>) -> Self {
+        let properties = problem.scene.inertia_properties();
+        Self {
+            normal: self.normal * properties.inverse_mass(),
+            turning: properties.angular_velocity(axes, self.turning),
+        }
+    }
+}
+
+/// Mass of the body over the mass that a contact feels, at least 1. `turning` is the moment of a
+/// unit force at the contact, `r × n`, m.
+pub(super) fn leverage<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    axes: &Axes<R>,
+    turning: R::Vec3,
+) -> R {
+    let properties = problem.scene.inertia_properties();
+    R::ONE + problem.mass * properties.angular_velocity(axes, turning).dot(turning)
+}
+
+/// Upper bound of the [`leverage`] of any contact.
+#[inline]
+fn largest_leverage<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> R {
+    let properties = problem.scene.inertia_properties();
+    let square = problem.bounding_radius * problem.bounding_radius;
+    R::ONE + problem.mass * square * properties.largest_inverse_moment()
+}
