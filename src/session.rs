@@ -32,7 +32,7 @@ use crate::stepper::{Clock, Stepper, has_bits_of};
 /// | state | owned by the caller | owned by the session |
 /// | time since the start | counted by the caller | [`time`](Self::time) |
 /// | next step of an adaptive method | chosen anew in each call | continues |
-/// | body at rest | evaluated in each call | skipped |
+/// | body at rest, and a fixed step | evaluated in each call | skipped |
 ///
 /// ```
 /// use tumble::glam::DVec3;
@@ -56,9 +56,11 @@ use crate::stepper::{Clock, Stepper, has_bits_of};
 /// stepper with the same state. An adaptive method gives the same bits in the first call. It then
 /// continues with its own step size. Its budget of steps applies to each call.
 ///
-/// *Rest.* If a step leaves the state unchanged, every further step of the same size does too. The
+/// *Rest.* If a step of a fixed size leaves the state unchanged, every further step does too. The
 /// session then counts further whole steps without taking them. It also skips an
-/// [`advance`](Self::advance) by the same time as before. If a body rests for more than 2³⁰ steps
+/// [`advance`](Self::advance) by the same time as before. Of the adaptive methods,
+/// [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) skips steps of the last two sizes
+/// itself, and the others take every step. If a body rests for more than 2³⁰ steps
 /// of a call and then moves in a shorter last step, the size of that step may differ by rounding.
 pub struct Session<
     'a,

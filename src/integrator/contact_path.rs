@@ -264,8 +264,8 @@ impl<R: Real> Path<R> {
         (below + above) * R::HALF
     }
 
-    /// Returns the approximate fraction of greatest depth on a path that first descends and then
-    /// rises.
+    /// Returns the approximate fraction of greatest or least depth on a path whose ends have slopes
+    /// of different signs.
     #[inline]
     pub(in crate::integrator) fn turn(&self) -> R {
         self.start_slope / (self.start_slope - self.end_slope)
@@ -277,6 +277,14 @@ impl<R: Real> Path<R> {
         let above = self.start <= R::ZERO && self.end <= R::ZERO;
         let turns = self.start_slope > R::ZERO && self.end_slope < R::ZERO;
         above && turns && self.at(self.turn()).0 > R::ZERO
+    }
+
+    /// Returns true if a path with both ends below ground is above it in between.
+    #[inline]
+    pub(in crate::integrator) fn turns_above_ground(&self) -> bool {
+        let below = self.start > R::ZERO && self.end > R::ZERO;
+        let turns = self.start_slope < R::ZERO && self.end_slope > R::ZERO;
+        below && turns && self.at(self.turn()).0 < R::ZERO
     }
 }
 

@@ -852,4 +852,12 @@ fn a_body_at_rest_stays_there_and_costs_no_evaluation() {
     let more = session.evaluation_count() - evaluations;
     // A thousand steps, of which only those of a new size are evaluated.
     assert!(more < 500, "{more} evaluations");
+    // The frames of a display are two steps each, of 10 ms and of 6.7 ms.
+    session.advance(1.0 / 60.0).unwrap();
+    let evaluations = session.evaluation_count();
+    for _ in 0..600 {
+        session.advance(1.0 / 60.0).unwrap();
+    }
+    let more = session.evaluation_count() - evaluations;
+    assert!(more < 100, "{more} evaluations in 600 frames");
 }

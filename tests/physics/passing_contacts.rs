@@ -1,14 +1,15 @@
-//! A round rim that dips into the ground and leaves it within one step of an adaptive method.
+//! Contacts that close and open, or open and close, within one step of an adaptive method.
 
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
 use crate::kit::erased::Stepper;
 use crate::kit::once::Once;
+use crate::kit::point_mass;
 use tumble::glam::DVec3;
 use tumble::{
     AdaptiveNystrom, BogackiShampine32, Disc, DormandPrince54, FlatGround, Integrator, Radau5,
-    RigidPointBody, State, ThickDisc,
+    RigidPointBody, State, ThickDisc, UniformGravity,
 };
 
 /// Upward speed (m/s) after a disc has turned about a diameter, without gravity. Its centre is
@@ -66,5 +67,27 @@ fn no_dip_of_a_rim_is_between_the_stages_of_a_step() {
                 );
             }
         }
+    }
+}
+
+/// A point mass bounces, with a touch-down in which a damper acts from the surface on. A step may
+/// begin and end in the ground and be above it in between. That was not seen, and seven of 400
+/// heights ended with 5 to 5.6 tolerances.
+#[test]
+fn a_contact_that_opens_and_closes_within_a_step_is_seen() {
+    let ends = |height: f64, tolerance: f64| {
+        let stepper = Stepper::new(point_mass(1.0))
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(3e4, 30.0)))
+            .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+            .and_then(|stepper| stepper.with_integrator(Once(DormandPrince54::new(tolerance))))
+            .unwrap();
+        let mut state = State::at(DVec3::Z * height);
+        stepper.advance(&mut state, 0.7).unwrap();
+        state.position.z
+    };
+    for number in 0..400 {
+        let height = 0.0005 + 0.00025 * f64::from(number);
+        let error = (ends(height, 1e-2) - ends(height, 1e-9)).abs();
+        assert!(error <= 5e-2, "from {height} m: {error} m");
     }
 }

@@ -1,7 +1,8 @@
-//! Contacts that close and open again within one step at an edge or on a curve of the ground.
+//! Contacts that close and open again within one step at an edge, on a curve of the ground, or on a
+//! round rim.
 //!
-//! The gaps at both ends of such a step belong to different parts of the ground, so that no
-//! interpolation between them shows the contact. Here the ground is evaluated on the path. A gap
+//! The gaps at both ends of such a step belong to different parts of the ground or of the rim, so
+//! that no interpolation between them shows the contact. Here the ground is evaluated on the path. A gap
 //! changes by at most the path of the body, so that a body with the gap `g` stays above the ground
 //! while no point of it has moved by `g`. The path is searched in parts of this length.
 
@@ -31,8 +32,9 @@ pub(super) struct Brush<R> {
 
 /// Searches the first contact of a body with one surface that begins and ends within a step.
 ///
-/// A plane has no edge, and is not searched. Neither is the step of a body that `touches` the
-/// surface at both ends, as it is short.
+/// A plane has no edge, and is searched for rims alone. The step of a body that touches the surface
+/// at both ends is not searched, as it is short. `touches` is what is known of the contacts that
+/// are no rims.
 #[inline]
 pub(super) fn brush<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -40,7 +42,8 @@ pub(super) fn brush<R: Real, D: Dynamics<R>>(
     (motions, touches): ([&Motion<R>; 2], [bool; 2]),
     seconds: R,
 ) -> Option<Brush<R>> {
-    if touches == [true; 2] || scene.contact_model().plane().is_some() {
+    let model = scene.contact_model();
+    if touches == [true; 2] || (model.plane().is_some() && !model.has_rims()) {
         return None;
     }
     Search {
@@ -49,13 +52,8 @@ pub(super) fn brush<R: Real, D: Dynamics<R>>(
         motions,
         seconds,
         path: fastest(scene, motions) * seconds,
-        shortest: R::from_f64(if touches == [false; 2] {
-            SHORTEST
-        } else {
-            SHORTEST_IN_TOUCH
-        }),
     }
-    .first()
+    .first(touches)
 }
 
 /// Largest speed of a point of the body at the ends of a step, m/s.
@@ -73,26 +71,31 @@ struct Search<'a, R: Real, D> {
     seconds: R,
     /// Longest path of a point of the body in the step, m.
     path: R,
-    /// Shortest part that is searched, as a fraction of the step.
-    shortest: R,
 }
 
 impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
     #[inline(never)]
-    fn first(&self) -> Option<Brush<R>> {
+    fn first(&self, touches: [bool; 2]) -> Option<Brush<R>> {
         if self.motions.iter().all(|motion| self.is_far(motion)) {
             return None;
         }
         let [start, end] = self.motions.map(|motion| self.gap_of(motion));
-        if start + end >= self.path {
+        // Those of a rim are known from here on.
+        let touches = [touches[0] || start <= R::ZERO, touches[1] || end <= R::ZERO];
+        if start + end >= self.path || touches == [true; 2] {
             return None;
         }
+        let shortest = R::from_f64(if touches == [false; 2] {
+            SHORTEST
+        } else {
+            SHORTEST_IN_TOUCH
+        });
         // From here on, the body is nearer to the end than to the ground.
         let last = R::ONE - end.at_least(R::ZERO) / self.path;
         let (mut share, mut gap, mut depth) = (R::ZERO, start, R::ZERO);
         let (mut entry, mut leaves) = (None, end > R::ZERO);
         loop {
-            let next = share + (gap / self.path).at_least(self.shortest);
+            let next = share + (gap / self.path).at_least(shortest);
             // It is false for a gap that is not a number.
             let is_within = next < last;
             if !is_within {
@@ -124,8 +127,10 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
     /// end. In flight no contact is evaluated for it.
     fn is_far(&self, motion: &Motion<R>) -> bool {
         let model = self.scene.contact_model();
-        let near = model.range_within(self.path * R::HALF, motion.position, &motion.axes);
-        near.count == 0 && !model.has_rims()
+        let margin = self.path * R::HALF;
+        let pose = (motion.position, &motion.axes);
+        let near = model.range_within(margin, pose.0, pose.1);
+        near.count == 0 && !model.has_rim_near(0, margin, pose)
     }
 
     /// Gap of the lowest point of the body, m.

@@ -155,21 +155,28 @@ pub struct Workspace<R: Real = f64> {
     rest: Rest<R>,
 }
 
-/// Length of a step that has left a state unchanged, s, and that state.
+/// Lengths of the last two steps that have left a state unchanged, s, and that state. A frame of a
+/// display is a whole step and the rest of one.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rest<R: Real>(Option<(R, State<R>)>);
+struct Rest<R: Real>(Option<([R; 2], State<R>)>);
 
 impl<R: Real> Rest<R> {
     /// Notes a step that leaves the state unchanged, if the comparison step has left it unchanged
     /// too: any other error changes the size of the next step.
-    fn after([start, end]: [&State<R>; 2], seconds: R, error: R) -> Self {
-        Self((start == end && error == R::ZERO).then_some((seconds, *start)))
+    fn after(&self, [start, end]: [&State<R>; 2], seconds: R, error: R) -> Self {
+        let before = match &self.0 {
+            Some(([last, _], known)) if known == start => *last,
+            _ => R::ZERO,
+        };
+        Self((start == end && error == R::ZERO).then_some(([seconds, before], *start)))
     }
 
     /// Returns true if a step of this length is known to leave this state unchanged.
     #[inline]
     fn is_of(&self, state: &State<R>, seconds: R) -> bool {
-        (self.0.as_ref()).is_some_and(|(length, known)| *length == seconds && known == state)
+        let is_known = |length: &R| *length == seconds;
+        (self.0.as_ref())
+            .is_some_and(|(lengths, known)| lengths.iter().any(is_known) && known == state)
     }
 
     /// Returns the report of such a step after the work so far.
@@ -215,7 +222,8 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
                     let error = doubled.relative_error();
                     if error <= R::ONE {
                         control.accept(ROOTS, &trial, seconds, error);
-                        workspace.rest = Rest::after([state, &doubled.end], seconds, error);
+                        workspace.rest =
+                            (workspace.rest).after([state, &doubled.end], seconds, error);
                         *state = doubled.end;
                         return Ok(doubled.step);
                     }

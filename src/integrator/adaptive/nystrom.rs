@@ -43,6 +43,7 @@ mod estimate;
 use super::embedded_pair::Settings;
 use super::embedded_pair::control::Control;
 use crate::body::ContactRange;
+use crate::contact::Motion;
 use crate::error::{SceneError, StepError};
 use crate::integrator::explicit::{Stage, Start};
 use crate::integrator::interface::{Integrator, Step, StepControl};
@@ -283,7 +284,24 @@ impl<R: Real> Begin<R> {
         if is_loaded || scene.contact_model().has_rims() {
             return FrictionLimit::none();
         }
-        FrictionLimit::of(scene, seconds, self.start.stage.range.count, STABLE)
+        FrictionLimit::of(scene, seconds, self.most_touching(scene), STABLE)
+    }
+
+    /// Returns an upper bound of the number of contacts that touch at the start. A contact counts
+    /// for each surface that it may touch.
+    #[inline]
+    fn most_touching<D: Dynamics<R>>(&self, scene: &D) -> usize {
+        let (model, stage) = (scene.contact_model(), &self.start.stage);
+        let of_surface = |surface| {
+            let Motion { position, axes, .. } = &stage.motion;
+            model
+                .range_of_surface(surface, R::ZERO, *position, axes)
+                .count
+        };
+        match model.surfaces() {
+            1 => stage.range.count,
+            surfaces => (0..surfaces).map(of_surface).sum(),
+        }
     }
 
     /// Evaluates the first stage again, if the friction of a step of `seconds` is another one.

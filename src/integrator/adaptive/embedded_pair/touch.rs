@@ -144,7 +144,8 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         let end_of = |motion| ContactEnd::of(self.scene, motion, point);
         let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
         let pushes = [start.pushes(), end.pushes()];
-        if pushes == [true; 2] {
+        let path = Path::between(&start, &end, self.seconds);
+        if pushes == [true; 2] && !path.turns_above_ground() {
             if self.bends(&start, &end) {
                 discontinuities.velocity += self.bend_error(point, &[start, end]);
             }
@@ -153,10 +154,9 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
             }
             return pushes;
         }
-        let path = Path::between(&start, &end, self.seconds);
         let last = if pushes[0] != pushes[1] {
             Some(R::ONE)
-        } else if path.turns_under_ground() {
+        } else if path.turns_under_ground() || path.turns_above_ground() {
             Some(path.turn())
         } else if self.meets(&start, R::ONE) || self.meets(&end, R::from_f64(tuning::STAGES_AHEAD))
         {
@@ -250,10 +250,12 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         let force = |share: R| self.force_on(path, share);
         let pushes = start.pushes();
         let share = last.map_or(R::ONE, |last| first_change(force, pushes, last));
-        let truth = if pushes {
-            Bent::between(force, R::ZERO, share).integral
-        } else {
-            Bent::between(force, share, R::ONE).integral
+        let integral = |from, to| Bent::between(force, from, to).integral;
+        let truth = match [pushes, end.pushes()] {
+            [false, _] => integral(share, R::ONE),
+            [true, false] => integral(R::ZERO, share),
+            // It opens and closes again.
+            [true, true] => integral(R::ZERO, share) + integral(share, R::ONE),
         };
         let taken = if self.to_discontinuity && comes_late(start, self.seconds) {
             R::ZERO
