@@ -140,6 +140,9 @@ impl Ensemble {
 
     /// Returns the ensemble with a histogram of an observable. [`Toss::record`] adds its values.
     ///
+    /// Only the bins of `histogram` are used. A tally begins with counts of 0, so that it has the
+    /// values of its own tosses only.
+    ///
     /// # Errors
     /// Returns [`EnsembleError::RepeatedName`] if there is a histogram of this name.
     pub fn with_histogram(
@@ -151,7 +154,8 @@ impl Ensemble {
         if self.histograms.iter().any(|(own, _)| *own == name) {
             return Err(EnsembleError::RepeatedName { name });
         }
-        self.histograms.push((name, histogram));
+        // Counts of the histogram would be in each part, and a merge would add them for each.
+        self.histograms.push((name, histogram.emptied()));
         Ok(self)
     }
 

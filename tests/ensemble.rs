@@ -173,6 +173,30 @@ fn splits_agree_where_tosses_fail() {
     }
 }
 
+/// Its counts would be in each part, and the merged result would have them twice.
+#[test]
+fn only_the_bins_of_a_histogram_with_counts_are_used() {
+    let mut filled = Histogram::new(0.0, 12.0, 4).unwrap();
+    for value in [-1.0, 1.0, 2.0, 50.0, f64::NAN] {
+        filled.add(value);
+    }
+    let ensemble = Ensemble::new(SEED, SceneHash::of_bytes(b"mixed"))
+        .with_histogram("size", filled)
+        .unwrap();
+    let whole = ensemble.run(0..100, mixed).unwrap();
+    let mut sum = ensemble.run(0..50, mixed).unwrap();
+    sum.merge(&ensemble.run(50..100, mixed).unwrap()).unwrap();
+    assert_eq!(json(&sum), json(&whole));
+    assert_eq!(
+        json(&whole),
+        json(&mixed_ensemble().run(0..100, mixed).unwrap())
+    );
+    let sizes = whole.histogram("size").unwrap();
+    let failed = whole.panics().count() + whole.errors()[0].1.count();
+    assert_eq!(sizes.count(), whole.tosses() - failed);
+    assert_eq!([sizes.below(), sizes.nan()], [0; 2]);
+}
+
 #[test]
 fn every_toss_is_counted_once_and_failures_can_be_replayed() {
     let ensemble = mixed_ensemble();

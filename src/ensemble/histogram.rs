@@ -145,6 +145,17 @@ impl Histogram {
         Some([self.high, f64::INFINITY])
     }
 
+    /// Returns the histogram with the same bins and counts of 0.
+    pub(crate) fn emptied(mut self) -> Self {
+        self.bins.fill(0);
+        Self {
+            below: 0,
+            above: 0,
+            nan: 0,
+            ..self
+        }
+    }
+
     /// Returns true if both histograms have the same bins.
     pub(crate) fn has_bins_of(&self, other: &Self) -> bool {
         let ends = |h: &Self| (h.low.to_bits(), h.high.to_bits(), h.bins.len());
