@@ -199,8 +199,9 @@ pub enum Requirement {
     /// rotation speed above 0.
     #[error("rolling_resistance must be always Some or always None, with valid values")]
     TurningOpposes,
-    /// Friction: if `depends_on_position` is false, the force is the same at every position.
-    #[error("a force that varies over the ground needs depends_on_position to be true")]
+    /// Friction: if `depends_on_position` is false, force and resistance are the same at every
+    /// position.
+    #[error("a law that varies over the ground needs depends_on_position to be true")]
     SameEverywhere,
     /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
     /// between 0 and 1.

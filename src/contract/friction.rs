@@ -10,7 +10,7 @@ use super::{
 use derivatives::{Slide, inward};
 
 use crate::error::{self, SceneError};
-use crate::friction::{LawOfSurface, Metric, SlidingFriction};
+use crate::friction::{LawOfSurface, Metric, RollingResistance, SlidingFriction};
 use crate::real::{Real, Vector, unit};
 
 /// Range of positions, loads and slips for which a friction law is intended, with the surface. The
@@ -51,8 +51,8 @@ impl<R: Real> FrictionRange<R> {
 ///
 /// The requirements are:
 ///
-/// - If [`depends_on_position`](SlidingFriction::depends_on_position) is false, the force is the
-///   same at every position.
+/// - If [`depends_on_position`](SlidingFriction::depends_on_position) is false, force and resistance
+///   are the same at every position.
 /// - The force is finite, lies in the surface, and opposes the slip (`force · slip <= 0`).
 /// - The force is 0 without load and 0 without slip. It has no jump at zero slip: as the slip falls
 ///   from 2·10⁻¹⁵⁰ m/s to a thousandth of it (from 2·10⁻¹⁵ m/s in `f32`), the force falls to half
@@ -221,6 +221,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         demand_at_most(lifted, bound, Requirement::InSurface, input)?;
         self.same_everywhere(load, slip, force)?;
         self.turning_at(load, slip)?;
+        self.same_resistance(load, slip)?;
         self.jacobian_at(load, slip, force)?;
         self.metric_at(load, slip, force)?;
         self.derivatives_at(load * inward(), slip * inward())
@@ -258,6 +259,27 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         let speed = turning.turn_speed;
         demand_finite(speed, input)?;
         demand(speed > o, Requirement::TurningOpposes, speed, o, input)
+    }
+
+    /// Checks that the resistance is the same here, in the middle and without a position, unless the
+    /// law depends on the position.
+    fn same_resistance(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
+        if self.friction.depends_on_position() {
+            return Ok(());
+        }
+        // A law without resistance has the turn speed 0, which no resistance has.
+        let numbers = |found: Option<RollingResistance<R>>| {
+            found.map_or([R::ZERO; 3], |r| [r.rolling, r.spinning, r.turn_speed])
+        };
+        let at = |position| numbers(self.friction.rolling_resistance_at(position, load));
+        let (here, elsewhere) = (at(self.position), at(self.centre));
+        let without = numbers(self.friction.rolling_resistance(load));
+        for (here, others) in here.into_iter().zip(elsewhere.into_iter().zip(without)) {
+            let off = (here - others.0).abs() + (here - others.1).abs();
+            let input = || self.input(load, slip);
+            demand_at_most(off, R::ZERO, Requirement::SameEverywhere, input)?;
+        }
+        Ok(())
     }
 
     fn jacobian_at(&self, load: R, slip: R::Vec3, force: R::Vec3) -> Result<(), Violation> {

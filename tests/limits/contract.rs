@@ -946,6 +946,40 @@ fn a_resistance_that_drives_or_comes_and_goes_is_found() {
     }
 }
 
+/// Resists rolling ten times as much on one half of the ground, and does not report it.
+struct HalfRough;
+
+impl SlidingFriction for HalfRough {
+    fn force(&self, _normal_force: f64, _slip: DVec3) -> DVec3 {
+        DVec3::ZERO
+    }
+    fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
+        self.rolling_resistance_at(DVec3::ZERO, normal_force)
+    }
+    fn rolling_resistance_at(
+        &self,
+        position: DVec3,
+        normal_force: f64,
+    ) -> Option<RollingResistance> {
+        let length = if position.x > 0.0 { 1e-2 } else { 1e-3 };
+        Some(RollingResistance {
+            rolling: length * normal_force,
+            spinning: 0.0,
+            turn_speed: 1.0,
+        })
+    }
+}
+
+#[test]
+fn a_resistance_that_varies_over_the_ground_must_be_reported() {
+    let violation = fault_of_friction(&HalfRough);
+    assert_eq!(violation.requirement, Requirement::SameEverywhere);
+    assert!(
+        matches!(violation.input, Input::Slide { position, .. } if position.x > 0.0),
+        "{violation}"
+    );
+}
+
 /// A law with the provided drag.
 struct Differences(Coulomb);
 

@@ -29,6 +29,8 @@ struct Given {
     /// Force at a position, in addition.
     at: fn(DVec3) -> DVec3,
     resistance: fn(f64) -> Option<RollingResistance>,
+    /// Factor of its torques at a position.
+    resists_at: fn(DVec3) -> f64,
 }
 
 impl Given {
@@ -37,6 +39,7 @@ impl Given {
             force: |load, slip| -slip.normalize_or_zero() * (0.5 * load),
             at: |_| DVec3::ZERO,
             resistance: |_| None,
+            resists_at: |_| 1.0,
         }
     }
 }
@@ -60,6 +63,19 @@ impl SlidingFriction for Given {
     }
     fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
         (self.resistance)(normal_force)
+    }
+    fn rolling_resistance_at(
+        &self,
+        position: DVec3,
+        normal_force: f64,
+    ) -> Option<RollingResistance> {
+        let factor = (self.resists_at)(position);
+        let resistance = self.rolling_resistance(normal_force)?;
+        Some(RollingResistance {
+            rolling: resistance.rolling * factor,
+            spinning: resistance.spinning * factor,
+            ..resistance
+        })
     }
 }
 
@@ -157,6 +173,37 @@ fn a_rolling_resistance_is_there_always_or_never() {
         turn_speed: 0.5,
     };
     assert_eq!(check_friction(&law, &RANGE, CheckPlan::default()), Ok(()));
+}
+
+#[test]
+fn a_rolling_resistance_that_differs_elsewhere_or_without_a_position_is_told_by_both() {
+    let right = Given {
+        resistance: |load| {
+            Some(RollingResistance {
+                rolling: 0.5 * load,
+                spinning: 0.0,
+                turn_speed: 1.0,
+            })
+        },
+        ..Given::friction()
+    };
+    assert_eq!(check(&right).at(LOAD, SLIP), Ok(()));
+    for (resists_at, change) in [
+        // The torque is 10 N m without a position, and this factor of it here and elsewhere.
+        (
+            (|position| if position == AT { 0.5 } else { 1.0 }) as fn(DVec3) -> f64,
+            10.0,
+        ),
+        (|position| if position == AT { 1.0 } else { 0.5 }, 5.0),
+        (|_| 0.5, 5.0),
+    ] {
+        let law = Given {
+            resists_at,
+            ..right
+        };
+        let found = check(&law).at(LOAD, SLIP);
+        assert_found(found, Requirement::SameEverywhere, [change, 0.0]);
+    }
 }
 
 #[test]
