@@ -55,6 +55,7 @@ pub fn check_body<R: Real, B: RigidPointBody<R> + ?Sized>(
     first.check(body)?;
     check_support_point(body, &mut plan.draw(), plan.cases)?;
     for normal in cube_directions::<R>() {
+        check_support(body, normal)?;
         check_offsets(body, &first, normal)?;
     }
     let mut draw = plan.draw();
@@ -149,10 +150,9 @@ fn check_support_point<R: Real, B: RigidPointBody<R> + ?Sized>(
     let bounding_radius = body.bounding_radius();
     let rounding = bounding_radius * ulps(16.0);
     let mut other = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
-    for number in 0..cases {
-        let towards = cube_directions::<R>()
-            .nth(number as usize)
-            .unwrap_or_else(|| draw.direction::<R>());
+    let random = (0..cases).map(|_| None);
+    for fixed in cube_directions::<R>().map(Some).chain(random) {
+        let towards = fixed.unwrap_or_else(|| draw.direction::<R>());
         let place = body.support_point(towards);
         let input = || Input::Below {
             normal: wide::<R>(towards),

@@ -459,3 +459,47 @@ fn ends_of_ranges_that_change_from_call_to_call_are_told() {
     };
     assert_eq!(told(&body), Ok(()));
 }
+
+/// No random input: the fixed ones alone must show a fault in one direction of a cube.
+#[test]
+fn a_plan_without_cases_tries_all_directions_of_a_cube() {
+    let none = CheckPlan { seed: 0, cases: 0 };
+    let contacts = [point(0.0, 0.0, -1.5, 0.0)];
+    let body = Given {
+        contacts: &contacts,
+        below: |_| ContactRange::all(1),
+        ..Given::none()
+    };
+    assert_eq!(check_body(&body, none), Ok(()));
+    let low = Given {
+        support: 1.25,
+        ..body
+    };
+    let bound = with_rounding(1.25, 8.0);
+    assert_found(check_body(&low, none), Requirement::Reach, [1.5, bound]);
+
+    let middle = [point(0.0, 0.0, 0.0, 0.0)];
+    let ball = Given {
+        contacts: &middle,
+        farthest: Some(|towards| towards * RADIUS),
+        ..Given::none()
+    };
+    let check = |body| check_support_point(body, &mut none.draw(), none.cases);
+    assert_eq!(check(&ball), Ok(()));
+    // Half as far in the last of these directions, that of the corner (1, 1, 1).
+    let dented = Given {
+        farthest: Some(|towards| {
+            let is_corner = towards.min_element() > 0.57735;
+            towards * if is_corner { 1.0 } else { RADIUS }
+        }),
+        contacts: &middle,
+        ..Given::none()
+    };
+    let found = check(&dented).expect_err("a fault");
+    assert_eq!(found.requirement, Requirement::Support);
+    let towards = DVec3::ONE.normalize();
+    assert!(
+        matches!(found.input, Input::Below { normal, .. } if (normal - towards).length() < 1e-15),
+        "{found}"
+    );
+}
