@@ -1,7 +1,7 @@
 //! Mass, centre of mass and inertia of solids and of composites.
 
 use super::homogeneous::finite_mass;
-use super::point_cloud::{check_masses, inertia_of, sum};
+use super::point_cloud::{check_masses, check_sum, inertia_of, sum};
 use crate::error::{self, Rule, SceneError};
 use crate::inertia::finite_entries;
 use crate::real::{Matrix, Real, Vector};
@@ -70,7 +70,8 @@ impl<R: Real> MassProperties<R> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if there is no point, the numbers of positions and masses differ, a
-    /// coordinate is not finite, a mass is negative, or all masses are 0.
+    /// coordinate is not finite, or a mass is negative. It is also returned if the inverse of the
+    /// sum of the masses is not finite, as for masses that are all 0.
     pub fn points<V: Vector<R>>(places: &[V], masses: &[R]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
@@ -82,7 +83,7 @@ impl<R: Real> MassProperties<R> {
             error::finite("z of a point of mass", place.z(), " m")?;
         }
         let mass = sum(masses.iter().copied());
-        error::above_zero("mass of all points", mass, " kg")?;
+        check_sum(mass)?;
         let weighted = || places.iter().copied().zip(masses.iter().copied());
         let centre = super::point_cloud::sum_of_vectors(weighted, |p| p) * (R::ONE / mass);
         let centred = || weighted().map(|(place, mass)| (place - centre, mass));

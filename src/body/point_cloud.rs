@@ -39,8 +39,9 @@ impl<R: Real, const N: usize> PointCloud<R, [ContactPoint<R>; N]> {
     /// precision.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if there is no point, a coordinate is not finite, a mass is negative,
-    /// or all masses are 0.
+    /// Returns [`SceneError`] if there is no point, a coordinate is not finite, or a mass is
+    /// negative. It is also returned if the inverse of the sum of the masses is not finite, as for
+    /// masses that are all 0.
     // `V` is `R::Vec3`. As a type parameter it lets the compiler infer the precision, which a
     // projection does not.
     pub fn new<V: Vector<R>>(points: [V; N], masses: [R; N]) -> Result<Self, SceneError>
@@ -60,13 +61,14 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud
     ///
     /// # Errors
     /// Returns [`SceneError`] if there is no point, the numbers of points and masses differ, a
-    /// coordinate is not finite, a mass or radius is negative, or all masses are 0.
+    /// coordinate is not finite, or a mass or radius is negative. It is also returned if the inverse
+    /// of the sum of the masses is not finite, as for masses that are all 0.
     pub fn with_storage(mut points: P, masses: &[R]) -> Result<Self, SceneError> {
         check_masses(points.as_ref().len(), masses)?;
         check_contacts(points.as_ref())?;
         let places = points.as_mut();
         let mass = sum(masses.iter().copied());
-        error::above_zero("mass of all points", mass, " kg")?;
+        check_sum(mass)?;
         let moment = sum_of_vectors(|| weighted(places, masses), |p| p);
         let centre = moment * (R::ONE / mass);
         for place in places.iter_mut() {
@@ -133,6 +135,13 @@ pub(super) fn check_masses<R: Real>(points: usize, masses: &[R]) -> Result<(), S
         error::at_least_zero("mass of a point", mass, " kg")?;
     }
     Ok(())
+}
+
+/// Checks that the sum of the masses is above 0 and has a finite inverse, which gives the centre of
+/// mass.
+pub(super) fn check_sum<R: Real>(mass: R) -> Result<(), SceneError> {
+    error::above_zero("mass of all points", mass, " kg")?;
+    error::finite_inverse("mass of all points", mass, " kg")
 }
 
 /// Computes `Σ m (|p|² 1 - p pᵀ)` about the origin, for positions and their masses.

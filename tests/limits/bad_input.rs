@@ -582,6 +582,28 @@ fn the_mass_of_all_points_is_above_zero_and_a_number() {
     assert!(!error.value.is_finite());
 }
 
+/// The centre of mass would be infinite or NaN.
+#[test]
+fn a_mass_of_all_points_whose_inverse_overflows_is_refused() {
+    let rule = "mass of all points must not be so small that its inverse overflows";
+    let (points, masses) = ([DVec3::X, DVec3::Y], [1e-310, 0.0]);
+    for error in [
+        PointCloud::new(points, masses).unwrap_err(),
+        MassProperties::points(&points, &masses).unwrap_err(),
+    ] {
+        assert_eq!(error.to_string(), format!("{rule}, got 1e-310 kg"));
+    }
+    let (points, mass) = ([Vec3::X], [1e-39]);
+    for error in [
+        PointCloud::new(points, mass).unwrap_err(),
+        MassProperties::points(&points, &mass).unwrap_err(),
+    ] {
+        assert_eq!(error.rule, Rule::FiniteInverse, "{error}");
+    }
+    PointCloud::new([DVec3::X], [1e-300]).unwrap();
+    PointCloud::new([Vec3::X], [1e-37]).unwrap();
+}
+
 #[test]
 fn the_place_of_a_point_is_finite() {
     let (rule, bad, _) = FINITE;
