@@ -157,9 +157,14 @@ where
 {
     /// Computes the barriers of a scene.
     ///
-    /// Returns `None` if there is no bound: no ground, ground that moves or is not a level plane,
-    /// gravity that does not point along -z, or springs that are too soft to support the body. It
-    /// also returns `None` if an applied force is not passive.
+    /// Returns `None` if there is no bound:
+    ///
+    /// - no ground, several surfaces, or ground that is not a level plane or is a
+    ///   [`MovingGround`](crate::MovingGround), also one that stands still;
+    /// - gravity plus any [constant force](crate::Force::constant_force) that does not point along
+    ///   -z;
+    /// - springs that are too soft to support the body;
+    /// - an applied force that is not passive.
     ///
     /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim
     /// some hundred thousand.

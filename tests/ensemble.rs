@@ -19,8 +19,9 @@ use tumble::ensemble::{
 };
 use tumble::glam::DVec3;
 use tumble::{
-    Coin, CoinFace, ContactPoint, Coulomb, EnergyMomentum, FlatGround, Outcome, PointCloud, State,
-    Stepper, UniformGravity,
+    AirDrag, Coin, CoinFace, ConstantForce, ContactPoint, Coulomb, EnergyMomentum, FlatGround,
+    Force, MovingGround, NoGround, Outcome, Plane, PointCloud, SpringDamperGround, State, Stepper,
+    UniformGravity, Wind,
 };
 
 #[allow(dead_code, reason = "other programs use the other part")]
@@ -855,6 +856,63 @@ fn invalid_starts_and_scenes_are_refused() {
         .unwrap();
     let error = Throw::new(&slope, start, 1.0).unwrap_err();
     assert_eq!(error, EnsembleError::NoBarriers);
+}
+
+/// Text of the error of a scene without barriers, or none.
+fn refusal(
+    ground: impl SpringDamperGround,
+    acceleration: DVec3,
+    force: impl Force,
+) -> Option<String> {
+    let body = Coin::ring_with_storage([ContactPoint::default(); 12], 0.005, RADIUS);
+    let stepper = Stepper::builder(body)
+        .gravity(UniformGravity { acceleration })
+        .ground(ground)
+        .force(force)
+        .build()
+        .unwrap();
+    let error = Throw::new(&stepper, RandomStart::at_height(0.1), 1.0).err()?;
+    assert_eq!(error, EnsembleError::NoBarriers);
+    Some(error.to_string())
+}
+
+/// One scene for each cause. They have one error, which names all causes.
+#[test]
+fn a_scene_without_barriers_is_told_every_cause() {
+    let (own, down, drag) = (
+        FlatGround::level(500.0, 0.5),
+        DVec3::Z * -9.81,
+        AirDrag::linear(1e-6),
+    );
+    assert_eq!(refusal(own, down, drag), None);
+    let slope = own.on(Plane::through(DVec3::ZERO, DVec3::new(0.1, 0.0, 1.0)));
+    let belt = MovingGround::conveyor(own, DVec3::X * 0.1);
+    let aside = ConstantForce {
+        force: DVec3::X * 0.01,
+    };
+    let wind = Wind {
+        velocity: DVec3::X,
+        force: drag,
+    };
+    let plane = "a single level plane that is at rest";
+    let gravity = "gravity plus any constant force must point along -z";
+    for (found, cause) in [
+        (refusal(NoGround, down, drag), plane),
+        (refusal(slope, down, drag), plane),
+        (refusal([own, slope], down, drag), plane),
+        (refusal(belt, down, drag), plane),
+        (
+            refusal(FlatGround::level(1e-3, 0.0), down, drag),
+            "stiff enough to support the body",
+        ),
+        (refusal(own, DVec3::ZERO, drag), gravity),
+        (refusal(own, DVec3::new(1.0, 0.0, -9.0), drag), gravity),
+        (refusal(own, down, aside), gravity),
+        (refusal(own, down, wind), "any other force must be passive"),
+    ] {
+        let found = found.unwrap();
+        assert!(found.contains(cause), "{cause}: {found}");
+    }
 }
 
 #[test]

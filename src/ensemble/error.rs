@@ -52,9 +52,14 @@ pub enum EnsembleError {
         /// Name of both histograms.
         name: String,
     },
-    /// The scene has no energy barriers, so that no outcome is decided.
+    /// The scene has no energy barriers, so that no outcome is decided. [`Barriers::of`] lists the
+    /// causes.
+    ///
+    /// [`Barriers::of`]: crate::Barriers::of
     #[error(
-        "the ground must be a level plane that carries the body, under gravity along -z: the scene has no energy barriers"
+        "the scene has no energy barriers: the ground must be a single level plane that is at rest \
+         and stiff enough to support the body, gravity plus any constant force must point along \
+         -z, and any other force must be passive (`Force::is_passive`)"
     )]
     NoBarriers,
     /// A loaded result contradicts itself.
