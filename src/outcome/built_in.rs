@@ -112,6 +112,10 @@ impl<R: Real> Faces<R> for Cuboid<R> {
             return None;
         };
         let [low, high] = [-low.position, high.position].map(|v| [v.x(), v.y(), v.z()]);
+        let is_outside = |distance: &R| *distance <= R::ZERO;
+        if low.iter().chain(&high).any(is_outside) {
+            return None;
+        }
         let opposite = [[X, MinusX], [Y, MinusY], [Z, MinusZ]];
         // The side through which the direction leaves the box: the least distance along it.
         let mut nearest: Option<(R, usize, R, CuboidFace)> = None;
@@ -119,9 +123,6 @@ impl<R: Real> Faces<R> for Cuboid<R> {
             let is_high = along > R::ZERO;
             let distance = *(if is_high { &high } else { &low }).get(axis)?;
             let face = *opposite.get(axis)?.get(usize::from(is_high))?;
-            if distance <= R::ZERO {
-                return None;
-            }
             let path = distance / along.abs();
             if nearest.is_none_or(|(least, ..)| path < least) {
                 nearest = Some((path, axis, distance, face));
@@ -131,9 +132,6 @@ impl<R: Real> Faces<R> for Cuboid<R> {
         let others = (0..3).filter(|&other| other != axis);
         let sides = others.filter_map(|other| Some(low.get(other)?.at_most(*high.get(other)?)));
         let side = sides.reduce(R::at_most)?;
-        if side <= R::ZERO {
-            return None;
-        }
         let edge = (distance * distance + side * side).sqrt();
         Some(Basin {
             face,
@@ -201,6 +199,26 @@ mod tests {
             least_support(&disc, angle),
             max_relative = 1e-9
         );
+    }
+
+    /// In whatever direction the centre of mass is off, and whatever direction points down.
+    #[test]
+    fn a_cuboid_whose_centre_of_mass_is_not_between_its_corners_has_no_faces() {
+        let edges = DVec3::new(0.6, 0.8, 1.0);
+        let loaded = |centre: DVec3| {
+            let distribution = crate::MassProperties::ball(1.0, 0.1).unwrap();
+            Cuboid::loaded(edges, distribution.at(centre))
+        };
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        for towards in axes.into_iter().chain(axes.map(|axis| -axis)) {
+            let extent = (edges * towards).length() / 2.0;
+            let inside = loaded(towards * (extent - 1e-3));
+            let outside = loaded(towards * (extent + 1e-3));
+            for down in axes.into_iter().chain(axes.map(|axis| -axis)) {
+                assert!(inside.basin(down).is_some(), "{towards} {down}");
+                assert_eq!(outside.basin(down), None, "{towards} {down}");
+            }
+        }
     }
 
     #[test]

@@ -30,9 +30,13 @@ impl HullFace {
     /// of the centre of mass from the nearest edge of the facet, plus the least radius. For corners
     /// that are off the plane, it is lowered by 4e-5 of the hull's size (1.2e-4 in `f32`).
     ///
-    /// Returns `None` if the centre of mass is outside the hull of the contacts' positions. It is
-    /// also `None` if the facet cannot be separated from its neighbour. Then some contacts are on
-    /// the plane of one and just off the plane of the other. This occurs for a face with noise of
+    /// Returns `None` if no facet is below the centre of mass: a ray in this direction does not
+    /// leave the hull of the contacts' positions through a facet. This occurs only if the centre of
+    /// mass is on the hull or outside of it. Other directions of such a body can have a facet, whose
+    /// barrier holds.
+    ///
+    /// It is also `None` if the facet cannot be separated from its neighbour. Then some contacts are
+    /// on the plane of one and just off the plane of the other. This occurs for a face with noise of
     /// 1e-5 of the hull's size, and for a very flat body.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
@@ -158,6 +162,28 @@ mod tests {
                 let apart = (basin.height - expected.height).abs();
                 assert!(apart < 1e-5, "{number}, {down}: {apart:e} m");
             }
+        }
+    }
+
+    /// A block of 6 m, 8 m and 4 m whose centre of mass is 3 m above its top. Directions have a facet
+    /// if a ray meets the block. There the body is at least as high as the barrier at the edges.
+    #[test]
+    fn a_centre_of_mass_outside_the_hull_has_the_facets_that_rays_leave_the_hull_through() {
+        let corners = corners().map(|corner| corner * DVec3::new(1.0, 1.0, 1.0 / 6.0));
+        let distribution = crate::MassProperties::ball(1.0, 0.1).unwrap();
+        let contacts = corners.map(ContactPoint::bare);
+        let body = Solid::new(distribution.at(DVec3::Z * 5.0), contacts).unwrap();
+        let basin = HullFace::basin(&body, -DVec3::Z).unwrap();
+        assert_eq!(basin.face.contacts, [0, 1, 2]);
+        assert!((basin.height - (7.0_f64 * 7.0 + 9.0).sqrt()).abs() < 1e-2);
+        // The lowest edge that the ray can cross: from it on the rays leave through a side.
+        let leaning = |x: f64| HullFace::basin(&body, DVec3::new(x, 0.0, -7.0).normalize());
+        assert_eq!(leaning(2.99).unwrap().face, basin.face);
+        let side = leaning(3.01).unwrap();
+        assert_eq!(side.face.contacts, [1, 3, 5]);
+        assert_eq!(leaning(7.01), None);
+        for down in [DVec3::Z, DVec3::X, -DVec3::Y] {
+            assert_eq!(HullFace::basin(&body, down), None);
         }
     }
 
