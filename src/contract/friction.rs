@@ -59,9 +59,9 @@ impl<R: Real> FrictionRange<R> {
 ///   or less.
 /// - `rolling_resistance` is always `Some` or never. Its torques are at least 0, and 0 without
 ///   load. Its rotation speed is above 0.
-/// - `jacobian` has no negative number, a width above 0 and a growth of at most 1. Its coefficient
-///   is `-force · slip/slip²` to the square root of the rounding, since it only controls an
-///   iteration.
+/// - `jacobian` has finite numbers, a coefficient of at least 0, a width above 0 and a growth from 0
+///   to 1. Its coefficient is `-force · slip/slip²` to the square root of the rounding, since it
+///   only controls an iteration.
 /// - The other numbers of `jacobian` are the derivatives of the coefficient, as differences of the
 ///   force show them to 32 square roots of the rounding. A growth that would be below 0 or above 1
 ///   is 0 or 1. Where a derivative jumps, any value between its two limits is right.
