@@ -1,7 +1,7 @@
 //! The eight trials of the coin report: a coin set down on its rim, rolling or spinning.
 
 use crate::body::Coin;
-use crate::error::SceneError;
+use crate::error::{self, SceneError};
 use crate::friction::Coulomb;
 use crate::gravity::UniformGravity;
 use crate::ground::FlatGround;
@@ -151,6 +151,10 @@ impl<R: Real> Trial<R> {
         &self,
         integrator: I,
     ) -> Result<TrialStepper<I, R>, SceneError> {
+        // They are of the initial state, which the builder does not know.
+        error::finite("tilt of the coin", self.tilt, " rad")?;
+        let quantity = "angular momentum of the coin";
+        error::finite(quantity, self.angular_momentum, " kg m²/s")?;
         Stepper::builder(self.coin())
             .ground(self.ground())
             .friction(self.friction())

@@ -1686,6 +1686,24 @@ fn a_knob_of_a_trial_that_cannot_be_is_refused_when_its_scene_is_composed() {
 }
 
 #[test]
+fn a_knob_of_a_trials_first_state_is_finite_for_its_own_stepper() {
+    let trial = Trial::<f64>::report(1).unwrap();
+    let integrator = SymplecticEuler { time_step: 1e-4 };
+    refuses("tilt of the coin", FINITE, " rad", |tilt| {
+        Trial { tilt, ..trial }.stepper(integrator)
+    });
+    let quantity = "angular momentum of the coin";
+    refuses(quantity, FINITE, " kg m²/s", |angular_momentum| {
+        let trial = Trial {
+            angular_momentum,
+            ..trial
+        };
+        trial.stepper(integrator)
+    });
+}
+
+/// A stepper that is not the trial's own does not know its state.
+#[test]
 fn a_knob_of_a_trials_first_state_that_cannot_be_is_answered_by_the_first_step() {
     let trial = Trial::<f64>::report(1).unwrap();
     let stepper = Stepper::of_trial(&trial, SymplecticEuler { time_step: 1e-4 }).unwrap();
