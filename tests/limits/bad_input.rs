@@ -65,7 +65,7 @@ fn errors_are(
             panic!("{quantity} of {value}{unit} is accepted");
         };
         // A message says first what is wrong with a number that is not finite.
-        let is_about_size = matches!(rule, Rule::AboveZero | Rule::AtLeastZero);
+        let is_about_size = matches!(rule, Rule::AboveZero | Rule::AtLeastZero | Rule::AtLeast(_));
         let rule = if is_about_size && !value.is_finite() {
             Rule::Finite
         } else {

@@ -317,14 +317,11 @@ impl<R: Real> ContactLaw<R> for HuntCrossley<R> {
 }
 
 fn check_exponent<R: Real>(exponent: R) -> Result<(), SceneError> {
-    if exponent >= R::ONE && exponent.is_finite() {
+    let quantity = "exponent of the ground";
+    error::finite(quantity, exponent, "")?;
+    if exponent >= R::ONE {
         return Ok(());
     }
     let value = exponent.to_f64();
-    Err(SceneError::new(
-        "exponent of the ground",
-        Rule::AtLeast(1),
-        value,
-        "",
-    ))
+    Err(SceneError::new(quantity, Rule::AtLeast(1), value, ""))
 }
