@@ -43,8 +43,9 @@ use crate::real::{Real, Vector, unit};
 ///   from depth 0.
 /// * The damper dissipates energy: `(normal_force - spring_force) * closing_speed >= 0` at every
 ///   depth and speed.
-/// * No value is NaN at any depth above 0, also at an infinite one, because a step evaluates trial
-///   states that the motion never reaches.
+/// * Neither [`spring_force`](Self::spring_force) nor [`spring_energy`](Self::spring_energy) nor
+///   [`normal_force`](Self::normal_force) is NaN at any finite depth above 0 and any finite speed.
+///   They may be infinite. A step evaluates trial states that the motion never reaches.
 ///
 /// The forces and the energy are never evaluated at or above the surface. A step returns
 /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) for a NaN, for a negative spring energy,

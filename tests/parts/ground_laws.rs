@@ -202,6 +202,47 @@ proptest! {
     }
 }
 
+/// Whether forces and energy are numbers of at least 0 at any finite depth and speed. Products
+/// overflow for many of them.
+#[test]
+fn no_force_and_no_energy_is_nan_at_a_finite_depth() {
+    let check = |law: &dyn ContactLaw, name: &str| {
+        for depth in [5e-324, 1e-3, 1e3, 1e60, 1e155, 1e210, f64::MAX] {
+            let spring = [law.spring_force(depth), law.spring_energy(depth)];
+            assert!(spring.iter().all(|x| *x >= 0.0), "{name} {depth:e}");
+            for speed in [0.0, 5.0, 1e10, 1e155, f64::MAX] {
+                for speed in [speed, -speed] {
+                    let force = law.normal_force(depth, speed);
+                    assert!(force >= 0.0, "{name} {depth:e} {speed:e}: {force}");
+                }
+            }
+        }
+    };
+    for stiffness in [0.0, 1e4, 1e200] {
+        for damping in [0.0, 0.5, 1e200] {
+            let spring_damper = SpringDamper { stiffness, damping };
+            check(&spring_damper, &format!("{spring_damper:?}"));
+            let limited = LimitedDamper { stiffness, damping };
+            check(&limited, &format!("{limited:?}"));
+            for exponent in [1.0, 1.5, 2.0, 2.7] {
+                let hunt_crossley = HuntCrossley {
+                    stiffness,
+                    exponent,
+                    damping,
+                };
+                check(&hunt_crossley, &format!("{hunt_crossley:?}"));
+            }
+        }
+    }
+    // A contact that separates has no force, also at an infinite depth.
+    let law = HuntCrossley {
+        stiffness: 1e4,
+        exponent: 1.5,
+        damping: 0.5,
+    };
+    assert_eq!(law.normal_force(f64::INFINITY, -5.0), 0.0);
+}
+
 #[test]
 fn hunt_crossley_gives_back_the_printed_part_at_any_exponent() {
     // Case B6 of the validation catalogue (Hunt & Crossley, J. Appl. Mech. 42, 440, 1975), printed

@@ -264,18 +264,21 @@ impl<R: Real> ContactLaw<R> for HuntCrossley<R> {
 
     #[inline]
     fn spring_force(&self, depth: R) -> R {
-        self.stiffness * self.power(depth)
+        // A stiffness of 0 times a power that overflows is NaN, of which this is 0.
+        (self.stiffness * self.power(depth)).at_least(R::ZERO)
     }
 
     #[inline]
     fn spring_energy(&self, depth: R) -> R {
-        self.stiffness * (self.power(depth) * depth) / (self.exponent + R::ONE)
+        let energy = self.stiffness * (self.power(depth) * depth) / (self.exponent + R::ONE);
+        energy.at_least(R::ZERO)
     }
 
     #[inline]
     fn normal_force(&self, depth: R, closing_speed: R) -> R {
         let factor = R::ONE + self.damping * closing_speed;
-        self.spring_force(depth) * factor.at_least(R::ZERO)
+        // The product has the limit, not the factor: a spring force that overflows times 0 is NaN.
+        (self.stiffness * self.power(depth) * factor).at_least(R::ZERO)
     }
 
     /// Mean force `(1 + λ Δ/h) ΔV/Δ`, with Δ the path length and h the time. On a path of constant
