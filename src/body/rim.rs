@@ -270,20 +270,27 @@ impl<R: Real> Rim<R> {
         let normal = first.cross(second).length();
         error::finite("normal of the rim", normal, "")?;
         // A rim from a file may have any axes.
-        unit_length("first axis of the rim", first.length())?;
-        unit_length("second axis of the rim", second.length())?;
-        unit_length("normal of the rim", normal)
+        to_rounding("first axis of the rim", first.length(), R::ONE)?;
+        to_rounding("second axis of the rim", second.length(), R::ONE)?;
+        to_rounding(
+            "cosine between the axes of the rim",
+            first.dot(second),
+            R::ZERO,
+        )
     }
 }
 
-/// Checks that a vector of this length has length 1 to half of the digits.
-fn unit_length<R: Real>(quantity: &'static str, length: R) -> Result<(), SceneError> {
-    if (length - R::ONE).abs() <= R::EPSILON.sqrt() {
-        Ok(())
-    } else {
-        let length = length.to_f64();
-        Err(SceneError::new(quantity, Rule::UnitLength, length, ""))
+/// Checks that a number is 1, as the length of an axis, or 0, to the rounding of [`Rim::new`].
+fn to_rounding<R: Real>(quantity: &'static str, value: R, exact: R) -> Result<(), SceneError> {
+    if (value - exact).abs() <= R::EPSILON * R::from_f64(64.0) {
+        return Ok(());
     }
+    let rule = if exact == R::ONE {
+        Rule::UnitLength
+    } else {
+        Rule::Zero
+    };
+    Err(SceneError::new(quantity, rule, value.to_f64(), ""))
 }
 
 /// Unit vector along a vector, also if the square of its length overflows or underflows. Returns
