@@ -69,7 +69,7 @@ impl<R: Real> Rim<R> {
     /// `normal`.
     ///
     /// `normal` has any length above 0. The radius is in m. The circle represents `points` contact
-    /// points.
+    /// points, at most 2³² - 1.
     #[must_use]
     pub fn new<V: Vector<R>>(centre: V, normal: V, radius: R, points: usize) -> Self
     where
@@ -262,7 +262,7 @@ impl<R: Real> Rim<R> {
     /// breaks, and its value.
     pub fn check(&self) -> Result<(), SceneError> {
         error::above_zero("radius of the rim", self.radius, " m")?;
-        error::above_zero("number of points that the rim represents", self.points, "")?;
+        check_points(self.points)?;
         error::finite("x of the centre of the rim", self.centre.x(), " m")?;
         error::finite("y of the centre of the rim", self.centre.y(), " m")?;
         error::finite("z of the centre of the rim", self.centre.z(), " m")?;
@@ -278,6 +278,19 @@ impl<R: Real> Rim<R> {
             R::ZERO,
         )
     }
+}
+
+/// Checks the number of points. A larger one would be another number after saving, because it is
+/// saved as a whole number of 32 bits.
+fn check_points<R: Real>(points: R) -> Result<(), SceneError> {
+    let quantity = "number of points that the rim represents";
+    error::above_zero(quantity, points, "")?;
+    if points <= R::from_f64(f64::from(u32::MAX)) {
+        return Ok(());
+    }
+    let most = usize::try_from(u32::MAX).unwrap_or(usize::MAX);
+    let rule = Rule::AtMost(most);
+    Err(SceneError::new(quantity, rule, points.to_f64(), ""))
 }
 
 /// Checks that a number is 1, as the length of an axis, or 0, to the rounding of [`Rim::new`].

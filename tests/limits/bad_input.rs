@@ -411,6 +411,34 @@ fn a_rim_stands_for_points_around_a_place_and_beside_few_contacts() {
     );
 }
 
+/// A disc is saved with this number as a whole number of 32 bits.
+#[cfg(all(feature = "serde", target_pointer_width = "64"))]
+#[test]
+fn a_rim_represents_no_more_points_than_can_be_saved() {
+    let most = u32::MAX as usize;
+    let round = |points| {
+        let disc = Stepper::new(Disc::solid(1.0, 0.5, points)).map(|_| ());
+        let thick = Stepper::new(ThickDisc::solid(1.0, 0.5, 0.1, points)).map(|_| ());
+        [disc, thick]
+    };
+    assert_eq!(round(most), [Ok(()), Ok(())]);
+    let saved = serde_json::to_string(&Disc::solid(1.0, 0.5, most)).unwrap();
+    let loaded: Disc = serde_json::from_str(&saved).unwrap();
+    assert_eq!(loaded, Disc::solid(1.0, 0.5, most));
+    for result in round(most + 1) {
+        let error = result.unwrap_err();
+        assert_eq!(error.rule, Rule::AtMost(most));
+        assert_eq!(
+            error.to_string(),
+            "number of points that the rim represents must be at most 4294967295, got 4294967296"
+        );
+    }
+    // In single precision the neighbours of this number are 256 apart.
+    let single = |points| Stepper::new(tumble::f32::Disc::solid(1.0, 0.5, points)).err();
+    assert_eq!(single(most), None);
+    assert_eq!(single(most + 1000).unwrap().rule, Rule::AtMost(most));
+}
+
 #[test]
 fn a_composite_needs_a_mass_distribution_that_can_be_and_a_contact() {
     let of = |mass, centre_of_mass, moment| {
