@@ -931,17 +931,128 @@ fn tosses_that_fail_are_counted_by_kind() {
     );
 }
 
+/// Parameters of a scene and of its tosses.
+#[derive(Clone, Copy)]
+struct Scene {
+    mass: f64,
+    radius: f64,
+    ground: FlatGround,
+    friction: Coulomb,
+    gravity: UniformGravity,
+    force: AirDrag,
+    time_step: f64,
+    start: RandomStart,
+    seconds: f64,
+}
+
+impl Scene {
+    fn hash(&self) -> SceneHash {
+        let points = [ContactPoint::default(); 12];
+        let stepper = Stepper::builder(Coin::ring_with_storage(points, self.mass, self.radius))
+            .ground(self.ground)
+            .friction(self.friction)
+            .gravity(self.gravity)
+            .force(self.force)
+            .integrator(EnergyMomentum {
+                time_step: self.time_step,
+            })
+            .build()
+            .unwrap();
+        let throw = Throw::new(&stepper, self.start, self.seconds).unwrap();
+        throw.scene_hash()
+    }
+}
+
+fn hashed() -> Scene {
+    Scene {
+        mass: 0.005,
+        radius: RADIUS,
+        ground: FlatGround::level(500.0, 0.5),
+        friction: Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-3,
+        },
+        gravity: UniformGravity::down(9.81),
+        force: AirDrag::linear(1e-6),
+        time_step: 2e-3,
+        start: any_start(),
+        seconds: 1.0,
+    }
+}
+
+/// The scene, and others in which one parameter of a part or the time has another value.
+fn other_scenes() -> [Scene; 13] {
+    let changes: [fn(&mut Scene); 13] = [
+        |_| (),
+        |scene| scene.mass = scene.mass.next_up(),
+        |scene| scene.radius = scene.radius.next_up(),
+        |scene| scene.ground.stiffness = scene.ground.stiffness.next_up(),
+        |scene| scene.ground.damping = scene.ground.damping.next_up(),
+        |scene| scene.ground.plane.height = 1e-9,
+        |scene| scene.friction.coefficient = scene.friction.coefficient.next_up(),
+        |scene| scene.friction.slip_speed = scene.friction.slip_speed.next_up(),
+        |scene| scene.gravity.acceleration.z = scene.gravity.acceleration.z.next_up(),
+        |scene| scene.force.linear = scene.force.linear.next_up(),
+        |scene| scene.force.quadratic = 1e-12,
+        |scene| scene.time_step = scene.time_step.next_up(),
+        |scene| scene.seconds = scene.seconds.next_up(),
+    ];
+    changes.map(|change| {
+        let mut scene = hashed();
+        change(&mut scene);
+        scene
+    })
+}
+
+/// Starts that differ from [`any_start`] and from each other.
+fn other_starts() -> [RandomStart; 18] {
+    let axis = DVec3::new(1.0, 2.0, 3.0);
+    let tilted = |axis, tilt: f64, phase: f64| RandomOrientation::Tilted {
+        axis,
+        tilt: tilt.into(),
+        phase: phase.into(),
+    };
+    let own = any_start();
+    let rate = || (20.0..=40.0).into();
+    [
+        RandomStart::at_height(0.03..=0.04_f64.next_up()).with_spin(own.spin),
+        RandomStart::at_height(0.03_f64.next_up()..=0.04).with_spin(own.spin),
+        own.with_orientation(tilted(axis, 0.1, 0.0)),
+        own.with_orientation(tilted(axis * 2.0, 0.1, 0.0)),
+        own.with_orientation(tilted(axis, 0.1_f64.next_up(), 0.0)),
+        own.with_orientation(tilted(axis, 0.1, 1e-9)),
+        own.with_spin(RandomSpin::Isotropic {
+            rate: (20.0..=40.0_f64.next_up()).into(),
+        }),
+        own.with_spin(RandomSpin::Horizontal { rate: rate() }),
+        own.with_spin(RandomSpin::Body { axis, rate: rate() }),
+        own.with_spin(RandomSpin::World { axis, rate: rate() }),
+        own.with_spin(RandomSpin::World {
+            axis: axis * 2.0,
+            rate: rate(),
+        }),
+        own.with_speed(DVec3::X, 0.0),
+        own.with_speed(DVec3::Z, 1e-9),
+        own.with_speed(DVec3::Z, 0.0..=1e-9),
+        own.with_sampling(Sampling::StratifiedPhase { strata: 10 }),
+        own.with_sampling(Sampling::StratifiedPhase { strata: 11 }),
+        own.with_sampling(Sampling::Latin { strata: 10 }),
+        own.with_sampling(Sampling::Latin { strata: 11 }),
+    ]
+}
+
+/// A parameter that is not in the hash would leave it as it is.
 #[test]
 fn the_scene_hash_knows_every_parameter() {
-    let stepper = ring();
-    let other = ring_with_step(2e-3_f64.next_up());
-    let hash =
-        |stepper: &Ring, start, seconds| Throw::new(stepper, start, seconds).unwrap().scene_hash();
-    let own = hash(&stepper, any_start(), 1.0);
-    assert_eq!(own, hash(&ring(), any_start(), 1.0));
-    assert_ne!(own, hash(&other, any_start(), 1.0));
-    assert_ne!(own, hash(&stepper, RandomStart::at_height(0.03), 1.0));
-    assert_ne!(own, hash(&stepper, any_start(), 1.5));
+    let started = other_starts().map(|start| Scene { start, ..hashed() });
+    let all: Vec<_> = other_scenes().into_iter().chain(started).collect();
+    let hashes: BTreeSet<_> = all.iter().map(|scene| scene.hash().to_string()).collect();
+    assert_eq!(hashes.len(), all.len());
+    assert_eq!(hashed().hash(), all[0].hash());
+
+    // The types of the parts are in it too.
+    let other = Throw::new(&ring(), any_start(), 1.0).unwrap().scene_hash();
+    assert!(!hashes.contains(&other.to_string()));
 }
 
 #[test]
