@@ -9,10 +9,11 @@ use std::ops::ControlFlow;
 use downstream::{Ball, Midpoint, Turf, Viscous};
 use tumble::glam::DVec3;
 use tumble::{
-    Apex, BogackiShampine32, Coin, Coulomb, DormandPrince54, EnergyMomentum, FlatGround,
-    ForwardEuler, Integrator, Landing, Ledger, Nystrom, Plane, RigidPointBody, Rk4, Sample,
-    SlidingFriction, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler,
-    UniformGravity, UntilRest,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, Apex, BogackiShampine32, Coin, CompactEnergyMomentum,
+    Coulomb, DormandPrince54, EnergyMomentum, FlatGround, Flight, ForwardEuler, Integrator,
+    Landing, Ledger, Nystrom, Plane, Radau5, RigidPointBody, Rk4, Sample, SlidingFriction,
+    SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    UntilRest,
 };
 
 /// The system's allocator, with a count of this thread's allocations.
@@ -115,6 +116,16 @@ fn live_with_every_integrator(
     live(body, ground, friction, EnergyMomentum { time_step });
     live(body, ground, friction, BogackiShampine32::new(1e-6));
     live(body, ground, friction, DormandPrince54::new(1e-6));
+    live(body, ground, friction, AdaptiveNystrom::new(1e-6));
+    live(body, ground, friction, AdaptiveEnergyMomentum::new(1e-4));
+    live(body, ground, friction, Radau5::new(1e-6));
+    live(
+        body,
+        ground,
+        friction,
+        CompactEnergyMomentum::<32, f64> { time_step },
+    );
+    live(body, ground, friction, Flight(EnergyMomentum { time_step }));
     live(body, ground, friction, Midpoint { time_step });
 }
 
