@@ -997,6 +997,8 @@ fn single_flight(method: &str, start: &State, steps: u32) -> State {
         "SymplecticEuler" => go(SymplecticEuler { time_step }, start, steps),
         "StrangSplitting" => go(StrangSplitting { time_step }, start, steps),
         "EnergyMomentum" => go(EnergyMomentum { time_step }, start, steps),
-        _ => go(Rk4 { time_step }, start, steps),
+        "Rk4" => go(Rk4 { time_step }, start, steps),
+        "Nystrom" => go(Nystrom { time_step }, start, steps),
+        _ => panic!("{method} has no flight in single precision here"),
     }
 }
