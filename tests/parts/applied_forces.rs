@@ -9,7 +9,7 @@
     clippy::cast_possible_truncation
 )]
 
-use crate::kit::erased::Stepper;
+use crate::kit::{self, erased::Stepper};
 use core::ops::ControlFlow;
 use proptest::prelude::*;
 use tumble::contract::{CheckPlan, ForceRange, Requirement, check_force};
@@ -674,7 +674,7 @@ macro_rules! never_gains {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(kit::cases(200))]
 
     /// Case: a plate under a force along the ground, of 5 to 95 % of its friction. It creeps
     /// by the law, `ε f/(1 - f)`, at any step size. From half of its friction on it slid by

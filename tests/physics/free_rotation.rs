@@ -478,6 +478,8 @@ fn what_is_not_finite_has_no_orientation() {
 }
 
 proptest! {
+    #![proptest_config(cases(300))]
+
     /// The direction of the momentum in the body stays on its path, for any body and time.
     #[test]
     fn energy_and_momentum_hold_to_rounding(
