@@ -118,25 +118,24 @@ impl Throw {
         Roof { normals }
     }
 
-    /// Number of methods that end more than a centimetre away from two runs with small fixed steps,
-    /// if those agree to a millimetre.
-    fn wrong(&self, body: &dyn RigidPointBody, shape: &dyn Shape) -> usize {
+    /// Numbers of methods that are judged, and of those that end more than a centimetre away from
+    /// two runs with small fixed steps. None is judged if these differ by more than a millimetre.
+    fn judged(&self, body: &dyn RigidPointBody, shape: &dyn Shape) -> [usize; 2] {
         let by = |integrator| end(body, shape, self.stiffness, &self.start(body), integrator);
         let [coarse, truth] = [2e-4, 1e-4]
             .map(|time_step| by(AnyIntegrator::EnergyMomentum(EnergyMomentum { time_step })));
         if (coarse - truth).length() > 1e-3 {
-            return 0;
+            return [0; 2];
         }
-        [
+        let methods = [
             AnyIntegrator::DormandPrince54(DormandPrince54::new(1e-6)),
             AnyIntegrator::Radau5(Radau5::new(1e-6)),
             AnyIntegrator::AdaptiveNystrom(AdaptiveNystrom::new(1e-6)),
             AnyIntegrator::BogackiShampine32(BogackiShampine32::new(1e-5)),
             AnyIntegrator::AdaptiveEnergyMomentum(AdaptiveEnergyMomentum::new(1e-4)),
-        ]
-        .into_iter()
-        .filter(|method| (by(*method) - truth).length() > 1e-2)
-        .count()
+        ];
+        let is_wrong = |method: &&AnyIntegrator| (by(**method) - truth).length() > 1e-2;
+        [methods.len(), methods.iter().filter(is_wrong).count()]
     }
 }
 
@@ -153,12 +152,19 @@ fn a_contact_with_an_edge_within_a_step_is_seen() {
         half: DVec3::new(0.2, 0.15, 0.1),
     };
     let mut runner = TestRunner::deterministic();
-    let mut wrong = 0;
+    let (mut judged, mut wrong) = (0, 0);
     for _ in 0..120 {
         let throw = throws().new_tree(&mut runner).unwrap().current();
         for body in bodies() {
-            wrong += throw.wrong(&body, &table) + throw.wrong(&body, &throw.roof());
+            for shape in [&table as &dyn Shape, &throw.roof()] {
+                let [methods, of_them] = throw.judged(&body, shape);
+                judged += methods;
+                wrong += of_them;
+            }
         }
     }
+    println!("{wrong} of {judged} ends are wrong");
+    // Of 3600 ends, 3595 were judged.
+    assert!(judged >= 3500, "{judged} ends are judged");
     assert!(wrong <= 2, "{wrong} ends are wrong");
 }
