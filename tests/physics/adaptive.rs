@@ -841,18 +841,27 @@ fn a_step_that_explodes_is_rejected() {
         .build()
         .unwrap();
     let orientation = Quat::from_xyzw(0.258_776_9, -0.492_962_54, 0.704_826_4, -0.439_593_2);
+    let mut touched = 0;
     for number in 0..100_u16 {
         let start = Vec3::Z * (0.004 + 0.000_02 * f32::from(number));
         let state = State::at(start).with_orientation(orientation.normalize());
         let mut session = stepper.session(state);
+        let mut has_touched = false;
         for _ in 0..300 {
             // In single precision a touch-down may end the run.
             let Ok(step) = session.step() else { break };
+            has_touched |= stepper.touching(session.state()) > 0;
             let speed = session.state().linear_velocity.length();
             assert!(speed < 1.0, "{number}: {speed:e} m/s after {step:?}");
             if session.time() > 0.5 {
                 break;
             }
         }
+        touched += usize::from(has_touched);
     }
+    // All 100 did.
+    assert!(
+        touched >= 95,
+        "{touched} of 100 bodies have touched the ground"
+    );
 }
