@@ -415,7 +415,7 @@ fn a_constant_force_is_gravity_of_its_own() {
 }
 
 #[test]
-fn flight_takes_closed_form_only_without_an_applied_force() {
+fn flight_takes_no_closed_form_under_drag() {
     let stepper = Stepper::builder(ball())
         .gravity(UniformGravity::down(G))
         .force(drag())
