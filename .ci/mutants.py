@@ -28,11 +28,12 @@ from collections import Counter, defaultdict
 # What the promises rest on, tried whole.
 GROUPS = {
     'certificate': r'src/outcome(\.rs|/)',
-    'limiter': r'src/integrator/(energy_limit|flight_rounding)\.rs',
+    'limiter': r'src/integrator/(energy_limit(\.rs|/)|flight_rounding\.rs)',
     'merge': r'src/ensemble/(tally|ranges|histogram|interval)\.rs',
     'contract': r'src/contract(\.rs|/)',
 }
-COLUMNS = ['group', 'mutant', 'result', 'by', 'tests']
+# Of a line of the result file. The last is the source that the mutant was tried on; a line of an older version has none.
+COLUMNS = ['group', 'mutant', 'result', 'by', 'tests', 'source']
 # Results of a mutant that no test finds.
 LEFT = ['survived', 'not reached']
 
@@ -42,8 +43,11 @@ def main():
     folder = os.path.join(os.environ.get('CARGO_TARGET_DIR', 'target'), 'mutants', asked.name)
     os.makedirs(folder, exist_ok=True)
     chosen = choose(asked)
-    kept = kept_lines(asked.result)
-    print(f'{len(chosen)} mutants, {len(kept)} of them tried before', flush=True)
+    kept, others = kept_lines(asked)
+    tried_before = sum(mutant['name'] in kept for mutant in chosen)
+    print(f'{len(chosen)} mutants, {tried_before} of them tried before', flush=True)
+    if others:
+        print(f'{others} lines of {asked.result} are of another source or of other tests' + (', and do not count' if asked.diff else ''), flush=True)
     left = [mutant for mutant in chosen if mutant['name'] not in kept or asked.again and kept[mutant['name']][2] in LEFT]
     if left and not asked.report:
         refused, programs = build(folder, chosen, asked)
@@ -66,7 +70,9 @@ def arguments():
     parser.add_argument('--name', default='all', help='name of the build folder')
     parser.add_argument('--write', action='store_true', help='write the counts into tests/mutants')
     parser.add_argument('--report', action='store_true', help='only count what the result file holds')
-    return parser.parse_args()
+    asked = parser.parse_args()
+    asked.source = source()
+    return asked
 
 
 # --- which mutants ---------------------------------------------------------------------------------
@@ -121,11 +127,43 @@ def sample(listed, count, draw):
     return drawn
 
 
+def source():
+    """Hash of what decides a result: the source of the library, and the programs of the tests with all files that they include."""
+    listed = ['git', 'ls-files', '--cached', '--others', '--exclude-standard', 'src/*.rs', 'tests/mutants/tests', 'tests/mutants/Cargo.*']
+    left = subprocess.check_output(listed, text=True).split()
+    found = set()
+    while left:
+        path = left.pop()
+        if path in found or not os.path.isfile(path):
+            continue
+        found.add(path)
+        if path.endswith('.rs') and not path.startswith('src/'):
+            left += included(path)
+    text = hashlib.sha256()
+    for path in sorted(found):
+        with open(path, 'rb') as file:
+            content = file.read()
+        text.update(f'{path}\0{len(content)}\0'.encode() + content)
+    return text.hexdigest()[:16]
+
+
+def included(path):
+    """Files that a test names: modules, also by `#[path]`, and texts. Those that do not exist are other places of the same module."""
+    with open(path, encoding='utf-8') as file:
+        text = file.read()
+    folder, inner = os.path.dirname(path), path.removesuffix('.rs')
+    names = re.findall(r'\b(?:path = |include(?:_str|_bytes)?!\(\s*)"([^"]+)"', text)
+    for module in re.findall(r'^\s*(?:pub(?:\([^)]*\))? )?mod (\w+);', text, re.M):
+        names += [f'{module}.rs', f'{module}/mod.rs']
+        names += [os.path.relpath(f'{inner}/{module}{end}', folder) for end in ['.rs', '/mod.rs']]
+    return [os.path.normpath(os.path.join(folder, name)) for name in names]
+
+
 # --- one build for all -----------------------------------------------------------------------------
 
 def build(folder, chosen, asked):
     """Writes and compiles the mutants. Returns those that do not compile, and the programs."""
-    stamp, ready = stamp_of(chosen), os.path.join(folder, 'ready')
+    stamp, ready = stamp_of(chosen, asked.source), os.path.join(folder, 'ready')
     if os.path.exists(ready):
         with open(ready, encoding='utf-8') as file:
             before = json.load(file)
@@ -134,7 +172,7 @@ def build(folder, chosen, asked):
             return refused, compiled(os.path.join(folder, 'tree'), folder, asked)
     tool = compiled_weaver()
     refused = {}
-    known = remembered(folder)
+    known = remembered(folder, asked)
     for mutant in chosen:
         if mutant['name'] in known:
             refused[mutant['id']] = 'not compiled'
@@ -145,32 +183,28 @@ def build(folder, chosen, asked):
             break
         print(f'{len(wrong)} mutants do not compile', flush=True)
         refused |= dict.fromkeys(wrong, 'not compiled')
-        remember(folder, [mutant['name'] for mutant in chosen if mutant['id'] in wrong])
+        remember(folder, asked, [mutant['name'] for mutant in chosen if mutant['id'] in wrong])
     with open(ready, 'w', encoding='utf-8') as file:
         json.dump({'stamp': stamp, 'refused': refused}, file)
     return refused, compiled(tree, folder, asked)
 
 
-def stamp_of(chosen):
-    """Hash of the mutants and of the source, to know whether the copy is still the one that is wanted."""
-    text = hashlib.sha256(json.dumps(chosen).encode())
-    for path in sorted(subprocess.check_output(['git', 'ls-files', 'src'], text=True).split()):
-        with open(path, 'rb') as file:
-            text.update(file.read())
-    return text.hexdigest()
+def stamp_of(chosen, of_source):
+    """Hash of the mutants, the source and the tests, to know whether the copy is still the one that is wanted."""
+    return hashlib.sha256(json.dumps([chosen, of_source]).encode()).hexdigest()
 
 
-def remembered(folder):
-    """Names of the mutants that an earlier run of this folder could not compile."""
-    path = os.path.join(folder, 'refused')
+def remembered(folder, asked):
+    """Names of the mutants of this source that an earlier run of this folder could not compile."""
+    path = os.path.join(folder, f'refused_{asked.source}')
     if not os.path.exists(path):
         return set()
     with open(path, encoding='utf-8') as file:
         return set(file.read().splitlines())
 
 
-def remember(folder, names):
-    with open(os.path.join(folder, 'refused'), 'a', encoding='utf-8') as file:
+def remember(folder, asked, names):
+    with open(os.path.join(folder, f'refused_{asked.source}'), 'a', encoding='utf-8') as file:
         file.writelines(name + '\n' for name in names)
 
 
@@ -319,7 +353,8 @@ def try_all(mutants, refused, tests, kept, asked):
                 # Other tests have reached it before.
                 if result == 'not reached' and mutant['name'] in kept:
                     result = kept[mutant['name']][2]
-            writer.writerow([mutant['group'], mutant['name'], result, by, count])
+            line = {'group': mutant['group'], 'mutant': mutant['name'], 'result': result, 'by': by, 'tests': count, 'source': asked.source}
+            writer.writerow([line[column] for column in COLUMNS])
             file.flush()
             if number % 20 == 0:
                 print(f'{number} of {len(mutants)}, {time.time() - start:.0f} s', flush=True)
@@ -343,16 +378,24 @@ def tried(number, tests):
 
 # --- counting --------------------------------------------------------------------------------------
 
-def kept_lines(path):
-    if not os.path.exists(path):
-        return {}
-    kept = {}
-    with open(path, newline='', encoding='utf-8') as file:
+def kept_lines(asked):
+    """Lines of the result file by mutant, and how many lines are of another source or of other tests.
+
+    A change is judged by what it is now: for `--diff` these others do not count. For a sample or a group, which takes hours and is continued, they do.
+    """
+    kept, others = {}, 0
+    if not os.path.exists(asked.result):
+        return kept, others
+    with open(asked.result, newline='', encoding='utf-8') as file:
         for line in csv.reader(file):
+            if line[len(COLUMNS) - 1:] != [asked.source]:
+                others += 1
+                if asked.diff:
+                    continue
             # Of a mutant that is tried again, what finds it counts.
             if line[1] not in kept or kept[line[1]][2] in LEFT:
                 kept[line[1]] = line
-    return kept
+    return kept, others
 
 
 def wilson(count, total):
@@ -364,7 +407,7 @@ def wilson(count, total):
 
 
 def report(chosen, asked):
-    kept = kept_lines(asked.result)
+    kept, _ = kept_lines(asked)
     groups = ['diff'] if asked.diff else ['sample'] * bool(asked.sample) + asked.only
     lines = ['| group | mutants | tried | not compiled | a test fails | takes too long | stored bits alone | survived | not reached | found, of those that compile |', '|' + '---|' * 10]
     lines += [row(group, chosen, kept) for group in groups]
