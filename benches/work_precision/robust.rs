@@ -350,11 +350,11 @@ fn headline() -> usize {
         .unwrap_or(0)
 }
 
-/// Formats a setting, `9.9 ms`, or `3.2e-5 m` for a tolerance. It is rounded down, so that the
+/// Formats a setting, `9.9 ms`, or `3.1e-5 m` for a tolerance. It is rounded down, so that the
 /// printed setting is robust, too.
 fn setting(program: Program, value: f64) -> String {
     if program.has_tolerance() {
-        return format!("{value:.1e} m");
+        return format!("{:.1e} m", two_digits_down(value));
     }
     let milliseconds = value * 1e3;
     let digits = if milliseconds >= EVEN_UP_TO * 1e3 {
@@ -363,6 +363,13 @@ fn setting(program: Program, value: f64) -> String {
         1e4
     };
     format!("{} ms", (milliseconds * digits + 1e-6).floor() / digits)
+}
+
+/// Rounds a positive number down to two digits. A power of ten that is computed with an error stays
+/// one.
+fn two_digits_down(value: f64) -> f64 {
+    let unit = 10_f64.powf((value.log10() + 1e-9).floor() - 1.0);
+    (value / unit + 1e-6).floor() * unit
 }
 
 /// Replaces the text between the markers of this table.
