@@ -28,6 +28,20 @@ BEYOND = {
     "tennis": [["--friction", "1e19"], ["--restitution", "1e19"]],
     "tosses": [["--to", "10000000000000000000"], ["--to", "2000000", "--part", "1"], ["--threads", "10000000000"], ["--cost", "--to", "0"]],
 }
+# Options that contradict each other, or without one that they need. The message names each of the last entry.
+CLASHES = {
+    "choose_accuracy": [
+        (["--scene", "smooth", "--slip-speed", "0.01"], ["--slip-speed"]),
+        (["--smooth", "--scene", "smooth"], ["--smooth"]),
+    ],
+    "known_outcomes": [(["--check", "--write"], ["--check", "--write"])],
+    "tosses": [
+        (["--merge", "--cost"], ["--merge", "--cost"]),
+        (["--toss", "3", "--efficiency"], ["--toss", "--efficiency"]),
+        (["--write"], ["--write", "--cost"]),
+        (["--write", "--label-error"], ["--write", "--cost"]),
+    ],
+}
 COLUMNS = "toss,sample,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n"
 TABLES = {
     "empty.csv": b"",
@@ -100,6 +114,14 @@ def beyond(name, folder):
         assert option in errors and " must be " in errors and ", got " in errors, f"{name} {arguments}: {errors}"
 
 
+def clashes(name, folder):
+    """An option that would have no effect is refused, with the names of both."""
+    for arguments, named in CLASHES.get(name, []):
+        refuses(name, arguments, folder, 2)
+        errors = call(name, arguments, folder)[2]
+        assert all(option in errors for option in named), f"{name} {arguments}: {errors}"
+
+
 def closed_pipe(name, arguments, folder):
     """Nobody reads what a program prints: no panic."""
     global calls
@@ -139,6 +161,7 @@ for name in names:
         folder = pathlib.Path(temporary)
         command_line(name, folder)
         beyond(name, folder)
+        clashes(name, folder)
         closed_pipe(name, ["--help"], folder)
         no_folder(name, folder)
         assert [path.name for path in folder.iterdir()] == ["file"], f"{name} has written files"

@@ -97,9 +97,12 @@ fi
 paste -d ' ' <(tail -n +2 <<<"$counted") <(tail -n +2 "$stored") | awk -v tolerance="$tolerance" -v same="$same" '
   ($1 != $6 || $2 != $7 || $3 != $8) { print "not the set that is stored. To store it:  .ci/lanes.sh --update"; wrong = 1; exit }
   {
-    change = 100 * ($5 - $10) / $10
-    verdict = change > tolerance ? "SLOWER" : change < -tolerance ? "faster" : ""
-    printf "%-16s %-9s %-10s %6d alone, %6d in lanes, %+5.1f %% %s\n", $1, $2, $3, $4, $5, change, verdict
-    if (change > tolerance) slower++
+    alone = 100 * ($4 - $9) / $9
+    lanes = 100 * ($5 - $10) / $10
+    worse = alone > lanes ? alone : lanes
+    better = alone < lanes ? alone : lanes
+    verdict = worse > tolerance ? "SLOWER" : better < -tolerance ? "faster" : ""
+    printf "%-16s %-9s %-10s %6d alone, %+5.1f %%, %6d in lanes, %+5.1f %% %s\n", $1, $2, $3, $4, alone, $5, lanes, verdict
+    if (worse > tolerance) slower++
   }
   END { exit wrong || (same && slower > 0) }'

@@ -100,6 +100,14 @@ fn page(curve: &WorkPrecision, options: &Options) -> Outcome<Page> {
 }
 
 fn cheapest(curve: &WorkPrecision, error: f64) -> String {
+    // An error below the resolution says nothing, so neither does the cheapest setting for it.
+    let resolution = curve.resolution;
+    if resolution.is_nan() || resolution > error {
+        return format!(
+            "The reference is not good enough for an error of at most {error:.0e} m: it is \
+             accurate to {resolution:.0e} m. No setting can be named."
+        );
+    }
     match curve.cheapest(error) {
         Some(row) => format!(
             "Lowest cost for an error of at most {error:.0e} m: {}, with {:.1e} m in {:.1} µs.",
@@ -153,7 +161,13 @@ struct Changes {
 }
 
 impl Changes {
-    fn apply(&self, start: &mut Start) {
+    fn apply(&self, start: &mut Start) -> Result<(), String> {
+        if let (Friction::None, Some(option)) = (start.friction, self.of_friction()) {
+            return Err(format!(
+                "{option} must be left out for {}, which has no friction",
+                start.name
+            ));
+        }
         start.seconds = self.seconds.unwrap_or(start.seconds);
         start.points = self.points.unwrap_or(start.points);
         start.stiffness = self.stiffness.unwrap_or(start.stiffness);
@@ -174,6 +188,13 @@ impl Changes {
                 },
             };
         }
+        Ok(())
+    }
+
+    /// Option that was given and changes the friction law only.
+    fn of_friction(&self) -> Option<&'static str> {
+        let slip_speed = self.slip_speed.map(|_| "--slip-speed");
+        slip_speed.or(self.smooth.then_some("--smooth"))
     }
 }
 
@@ -232,6 +253,6 @@ fn options() -> Outcome<Option<Options>> {
             _ => return Err(argument.unexpected().into()),
         }
     }
-    changes.apply(&mut options.start);
+    changes.apply(&mut options.start)?;
     Ok(Some(options))
 }

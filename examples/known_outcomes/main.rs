@@ -185,6 +185,12 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         )
         .into());
     }
+    if arguments.is_checked && arguments.is_written {
+        // What is written first is not another one afterwards.
+        return Err(
+            "--check must be left out with --write, which replaces what it compares".into(),
+        );
+    }
     if arguments.subjects.is_empty() {
         arguments.subjects = SUBJECTS.to_vec();
     }

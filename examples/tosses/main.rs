@@ -30,12 +30,16 @@ Usage: cargo run --release --example tosses -- [OPTIONS]
       --seed <SEED>       seed of the random numbers               [default: 1]
       --threads <COUNT>   threads                                  [default: as many as the processor]
   -o, --out <FOLDER>      where the parts and the result go        [default: out/tosses]
+
+Tasks in place of these parts, one at a time:
+
       --merge             plays nothing: merges the parts that are there, and lists the gaps
       --toss <TOSS>       replays one toss: film play.html and path path.csv
       --label-error       repeats the tosses at a hundredth of the tolerance, and counts the labels
                           that change
       --efficiency        time on one thread and on all threads
       --cost              time of a toss, and of up to a million million tosses
+
       --write             with --cost: writes the table into the guide
   -h, --help              this text
 ";
@@ -94,6 +98,7 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         write: false,
     };
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut tasks: Vec<(&str, Task)> = Vec::new();
     let mut parser = lexopt::Parser::from_args(given);
     while let Some(argument) = parser.next()? {
         match argument {
@@ -103,15 +108,28 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             Long("seed") => arguments.seed = parser.value()?.parse()?,
             Long("threads") => arguments.threads = parser.value()?.parse()?,
             Short('o') | Long("out") => arguments.out = parser.value()?.into(),
-            Long("merge") => arguments.task = Task::Merge,
-            Long("toss") => arguments.task = Task::Replay(parser.value()?.parse()?),
-            Long("label-error") => arguments.task = Task::LabelError,
-            Long("efficiency") => arguments.task = Task::Efficiency,
-            Long("cost") => arguments.task = Task::Cost,
+            Long("merge") => tasks.push(("--merge", Task::Merge)),
+            Long("toss") => {
+                tasks.push(("--toss", Task::Replay(parser.value()?.parse()?)));
+            }
+            Long("label-error") => tasks.push(("--label-error", Task::LabelError)),
+            Long("efficiency") => tasks.push(("--efficiency", Task::Efficiency)),
+            Long("cost") => tasks.push(("--cost", Task::Cost)),
             Long("write") => arguments.write = true,
             Short('h') | Long("help") => return Ok(None),
             other => return Err(other.unexpected()),
         }
+    }
+    match tasks[..] {
+        [] => {}
+        [(_, task)] => arguments.task = task,
+        [(first, _), (second, _), ..] => {
+            let message = format!("only one task at a time, got {first} and {second}");
+            return Err(message.into());
+        }
+    }
+    if arguments.write && !matches!(arguments.task, Task::Cost) {
+        return Err("--write needs --cost, whose table it writes".into());
     }
     if arguments.tosses.end < arguments.tosses.start || arguments.part == 0 {
         let (Range { start, end }, part) = (arguments.tosses, arguments.part);
@@ -121,15 +139,14 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         .into());
     }
     let tosses = arguments.tosses.end - arguments.tosses.start;
-    let parts = tosses.div_ceil(arguments.part);
     let least = arguments.task.least_tosses();
     within("--to minus --from", tosses, least..=MOST_TOSSES, " tosses")?;
-    within(
-        "--to minus --from over --part",
-        parts,
-        0..=MOST_PARTS,
-        " files",
-    )?;
+    // The other tasks write no parts, and a merge does not depend on their length.
+    if matches!(arguments.task, Task::Play) {
+        let parts = tosses.div_ceil(arguments.part);
+        let name = "--to minus --from over --part";
+        within(name, parts, 0..=MOST_PARTS, " files")?;
+    }
     within("--threads", arguments.threads, 0..=MOST_THREADS, "")?;
     Ok(Some(arguments))
 }
