@@ -30,6 +30,10 @@ BEYOND = {
 }
 # Options that contradict each other, or without one that they need. The message names each of the last entry.
 CLASHES = {
+    "choose_accuracy": [
+        (["--scene", "smooth", "--slip-speed", "0.01"], ["--slip-speed"]),
+        (["--smooth", "--scene", "smooth"], ["--smooth"]),
+    ],
     "tosses": [
         (["--merge", "--cost"], ["--merge", "--cost"]),
         (["--toss", "3", "--efficiency"], ["--toss", "--efficiency"]),
