@@ -34,6 +34,7 @@ CLASHES = {
         (["--scene", "smooth", "--slip-speed", "0.01"], ["--slip-speed"]),
         (["--smooth", "--scene", "smooth"], ["--smooth"]),
     ],
+    "known_outcomes": [(["--check", "--write"], ["--check", "--write"])],
     "tosses": [
         (["--merge", "--cost"], ["--merge", "--cost"]),
         (["--toss", "3", "--efficiency"], ["--toss", "--efficiency"]),
