@@ -21,7 +21,7 @@ use tumble::{
 
 fn main() {
     let arguments = Vec::from_iter(std::env::args().skip(1));
-    // `cargo bench` and `cargo test` start every benchmark with their own options.
+    // `cargo bench` and `cargo test --all-targets` start it with options of their own.
     let [integrator, phase, scene, steps] = &arguments[..] else {
         println!("instructions INTEGRATOR PHASE SCENE STEPS");
         return;

@@ -59,7 +59,7 @@ const EULER: SymplecticEuler = SymplecticEuler {
 };
 
 fn main() {
-    // `cargo test` starts every benchmark, too, to check that it runs.
+    // `cargo test --all-targets` starts it without `--bench`, to check that it runs.
     let turns = if std::env::args().any(|argument| argument == "--bench") {
         101
     } else {

@@ -52,7 +52,7 @@ use tumble::{Flight, State, StrangSplitting, Trial};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    // `cargo test` starts every benchmark, too, to check that it runs.
+    // `cargo test --all-targets` starts it without `--bench`, to check that it runs.
     let whole = arguments.iter().any(|argument| argument == "--bench");
     let wanted = arguments
         .iter()

@@ -1,5 +1,5 @@
 //! Floors: the arithmetic that the formulas of a step need, for the scenes of
-//! `benches/instructions.rs`. `.ci/floors` puts it beside the instructions that are executed.
+//! `benches/instructions.rs`. `.ci/floors.py` puts it beside the instructions that are executed.
 //!
 //! The arguments are `floors INTEGRATOR PHASE POINTS FEWER MORE`. The library takes `MORE` steps.
 //! Each is taken again by the formulas of its method, on [numbers](number) that count the
@@ -44,7 +44,7 @@ const ROUNDING: f64 = 1e-12;
 
 fn main() {
     let arguments = Vec::from_iter(std::env::args().skip(1));
-    // `cargo bench` and `cargo test` start every benchmark with their own options.
+    // `cargo bench` and `cargo test --all-targets` start it with options of their own.
     let [integrator, phase, points, fewer, more] = &arguments[..] else {
         println!("floors INTEGRATOR PHASE POINTS FEWER MORE");
         return;
