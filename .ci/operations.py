@@ -7,9 +7,9 @@ follows as the last argument. A step is the difference of two runs with differen
 Callgrind counts how often each instruction is executed, objdump says what it is.
 
 Printed are all instructions, and those that the compiler does not add or leave out at will:
-conditional jumps, divisions and square roots. Fails where one of these is more frequent with the
-first program, or where all together are more by 3 %. The rest is moves between registers, and
-arithmetic in one lane or in two.
+conditional jumps, divisions and square roots. Fails where one of these kinds is more frequent with
+the first program by more than 0.02 in a step, or where all instructions together are more by both
+0.5 % and 8 in a step. The rest is moves between registers, and arithmetic in one lane or in two.
 """
 
 import collections
