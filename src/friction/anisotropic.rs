@@ -24,6 +24,9 @@ use crate::real::{Real, Vector, scaled, unit};
 ///   It is up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of the force.
 /// - It does not stick. It creeps as `Coulomb` does, with a slip speed of
 ///   `slip_speed · max(μ₁, μ₂)/μ`, where μ is the coefficient in the direction of the slip.
+/// - In a step of [`EnergyMomentum`](crate::EnergyMomentum) with a
+///   [`fallback`](crate::Step::fallback), friction has the size of the law's force and the opposite
+///   direction of the slip, without the component across it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
