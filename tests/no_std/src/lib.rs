@@ -5,6 +5,10 @@
 //! the undefined symbol `a_panic_remains`; `.ci/no_std.sh` looks for it.
 #![no_std]
 
+// The control is about the check, and not about the roles.
+#[cfg(not(feature = "control"))]
+mod roles;
+
 use core::ops::ControlFlow;
 
 use tumble::contract::{
@@ -13,10 +17,12 @@ use tumble::contract::{
 };
 use tumble::glam::DVec3;
 use tumble::{
-    BogackiShampine32, Capsule, Coin, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54,
-    Ellipsoid, EnergyMomentum, FlatGround, ForwardEuler, Integrator, Ledger, MassProperties,
-    Nystrom, Plane, PointCloud, PointMass, Real, RigidPointBody, Rk4, Rod, Sample, Solid,
-    SolidCoin, Sphere, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity, UntilRest,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Capsule, Coin, Cone, ContactPoint,
+    Coulomb, Cuboid, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force,
+    ForwardEuler, Gravity, Integrator, Ledger, MassProperties, Nystrom, Plane, PointCloud,
+    PointMass, Radau5, Real, RigidPointBody, Rk4, Rod, Sample, SlidingFriction, Solid, SolidCoin,
+    Sphere, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
+    UntilRest,
 };
 
 unsafe extern "C" {
@@ -57,7 +63,6 @@ fn run<R: Real>(
         coefficient,
         slip_speed,
         gravity,
-        seconds,
         ..
     } = parameters;
     let stepper = Stepper::new(body).ok()?;
@@ -72,6 +77,25 @@ fn run<R: Real>(
         })
         .ok()?;
     let stepper = stepper.with_integrator(integrator).ok()?;
+    live(&stepper, parameters, state)
+}
+
+/// Energy error of the audit of a run with every kind of step, or nothing if a step fails.
+fn live<R, B, G, F, A, I, E>(
+    stepper: &Stepper<B, G, F, A, I, R, E>,
+    parameters: &Parameters<R>,
+    state: &mut State<R>,
+) -> Option<R>
+where
+    R: Real,
+    B: RigidPointBody<R>,
+    G: SpringDamperGround<R>,
+    F: SlidingFriction<R>,
+    A: Gravity<R>,
+    I: Integrator<R>,
+    E: Force<R>,
+{
+    let seconds = parameters.seconds;
     stepper.step(state).ok()?;
     stepper.advance(state, seconds).ok()?;
     let mut states = [*state; 13];
@@ -142,6 +166,39 @@ probes_of_pairs! {
     probe_bogacki_shampine_32_f32: BogackiShampine32 in f32;
     probe_dormand_prince_54_f64: DormandPrince54 in f64;
     probe_dormand_prince_54_f32: DormandPrince54 in f32;
+    probe_adaptive_nystrom_f64: AdaptiveNystrom in f64;
+    probe_adaptive_nystrom_f32: AdaptiveNystrom in f32;
+    probe_adaptive_energy_momentum_f64: AdaptiveEnergyMomentum in f64;
+    probe_adaptive_energy_momentum_f32: AdaptiveEnergyMomentum in f32;
+    probe_radau5_f64: Radau5 in f64;
+    probe_radau5_f32: Radau5 in f32;
+}
+
+/// Flight in closed form, around a method of fixed steps and around one that chooses them.
+#[unsafe(no_mangle)]
+pub fn probe_flight_f64(
+    room: &mut [ContactPoint],
+    parameters: &Parameters<f64>,
+    time_step: f64,
+    state: &mut State,
+) -> Option<f64> {
+    let coin = coin(room, parameters);
+    let fixed = Flight(EnergyMomentum { time_step });
+    let adaptive = Flight(DormandPrince54::new(time_step));
+    Some(run(&coin, fixed, parameters, state)? + run(&coin, adaptive, parameters, state)?)
+}
+
+/// The same in single precision.
+#[unsafe(no_mangle)]
+pub fn probe_flight_f32(
+    room: &mut [ContactPoint<f32>],
+    parameters: &Parameters<f32>,
+    time_step: f32,
+    state: &mut State<f32>,
+) -> Option<f32> {
+    let coin = coin(room, parameters);
+    let fixed = Flight(EnergyMomentum { time_step });
+    run(&coin, fixed, parameters, state)
 }
 
 /// A body of any points and masses, with the whole tensor and its principal axes.
@@ -171,8 +228,13 @@ pub fn probe_solids(
     let edges = parameters.plane.normal;
     let hull = MassProperties::hull(mass, places).ok()?;
     let mesh = MassProperties::mesh(mass, places, triangles).ok()?;
-    let parts = MassProperties::capsule(mass, radius, radius).ok()?
-        .with(&MassProperties::cone(mass, radius, radius).ok()?.turned(state.rotation()))
+    let parts = MassProperties::capsule(mass, radius, radius)
+        .ok()?
+        .with(
+            &MassProperties::cone(mass, radius, radius)
+                .ok()?
+                .turned(state.rotation()),
+        )
         .with(&MassProperties::ellipsoid(mass, edges).ok()?.at(edges))
         .with(&hull)
         .with(&mesh);
