@@ -2,7 +2,7 @@
 //! number type.
 
 // Helpers of these tests fail by panicking, like the tests.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use crate::kit::erased::Stepper;
 use crate::kit::{

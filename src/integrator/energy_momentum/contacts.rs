@@ -219,7 +219,8 @@ impl<R: Real> Contacts<R> {
         // The points of rims need their share of the storage.
         let share = if self.with_rim { 2 } else { 1 };
         let most = (self.capacity() / share).max(1);
-        let each = self.candidates / most + 1;
+        // It saturates so that no program contains the panic of a step of 0.
+        let each = (self.candidates / most).saturating_add(1);
         (self.each, self.remembered) = (each, 0);
         for number in (each / 2..self.candidates).step_by(each) {
             let each_surface = self.range.count.max(1);

@@ -17,12 +17,12 @@ use tumble::contract::{
 };
 use tumble::glam::DVec3;
 use tumble::{
-    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Capsule, Coin, Cone, ContactPoint,
-    Coulomb, Cuboid, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force,
-    ForwardEuler, Gravity, Integrator, Ledger, MassProperties, Nystrom, Plane, PointCloud,
-    PointMass, Radau5, Real, RigidPointBody, Rk4, Rod, Sample, SlidingFriction, Solid, SolidCoin,
-    Sphere, SpringDamperGround, State, Stepper, StrangSplitting, SymplecticEuler, UniformGravity,
-    UntilRest,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, BogackiShampine32, Capsule, Coin,
+    CompactEnergyMomentum, Cone, ContactPoint, Coulomb, Cuboid, DormandPrince54, Ellipsoid,
+    EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Gravity, Integrator, Ledger,
+    MassProperties, Nystrom, Plane, PointCloud, PointMass, Radau5, Real, RigidPointBody, Rk4, Rod,
+    Sample, SlidingFriction, Solid, SolidCoin, Sphere, SpringDamperGround, State, Stepper,
+    StrangSplitting, SymplecticEuler, UniformGravity, UntilRest,
 };
 
 unsafe extern "C" {
@@ -124,6 +124,9 @@ fn coin<'a, R: Real>(
     Coin::ring_with_storage(room, parameters.mass, parameters.radius)
 }
 
+/// The method of another capacity, beside that of the usual one.
+type Compact<R> = CompactEnergyMomentum<32, R>;
+
 macro_rules! probes {
     ($($probe:ident: $integrator:ident in $real:ty;)*) => {$(
         /// A coin by this method, in this precision.
@@ -149,6 +152,8 @@ probes! {
     probe_nystrom_f32: Nystrom in f32;
     probe_energy_momentum_f64: EnergyMomentum in f64;
     probe_energy_momentum_f32: EnergyMomentum in f32;
+    probe_compact_energy_momentum_f64: Compact in f64;
+    probe_compact_energy_momentum_f32: Compact in f32;
 }
 
 macro_rules! probes_of_pairs {
