@@ -61,8 +61,8 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> PointCloud
     ///
     /// # Errors
     /// Returns [`SceneError`] if there is no point, the numbers of points and masses differ, a
-    /// coordinate is not finite, or a mass or radius is negative. It is also returned if the inverse
-    /// of the sum of the masses is not finite, as for masses that are all 0.
+    /// coordinate is not finite, or a mass or radius is negative. It is also returned if the
+    /// inverse of the sum of the masses is not finite, as for masses that are all 0.
     pub fn with_storage(mut points: P, masses: &[R]) -> Result<Self, SceneError> {
         check_masses(points.as_ref().len(), masses)?;
         check_contacts(points.as_ref())?;

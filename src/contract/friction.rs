@@ -51,16 +51,16 @@ impl<R: Real> FrictionRange<R> {
 ///
 /// The requirements are:
 ///
-/// - If [`depends_on_position`](SlidingFriction::depends_on_position) is false, force and resistance
-///   are the same at every position.
+/// - If [`depends_on_position`](SlidingFriction::depends_on_position) is false, force and
+///   resistance are the same at every position.
 /// - The force is finite, lies in the surface, and opposes the slip (`force · slip <= 0`).
 /// - The force is 0 without load and 0 without slip. It has no jump at zero slip: as the slip falls
 ///   from 2·10⁻¹⁵⁰ m/s to a thousandth of it (from 2·10⁻¹⁵ m/s in `f32`), the force falls to half
 ///   or less.
 /// - `rolling_resistance` is always `Some` or never. Its torques are at least 0, and 0 without
 ///   load. Its rotation speed is above 0.
-/// - `jacobian` has finite numbers, a coefficient of at least 0, a width above 0 and a growth from 0
-///   to 1. Its coefficient is `-force · slip/slip²` to the square root of the rounding, since it
+/// - `jacobian` has finite numbers, a coefficient of at least 0, a width above 0 and a growth from
+///   0 to 1. Its coefficient is `-force · slip/slip²` to the square root of the rounding, since it
 ///   only controls an iteration.
 /// - The other numbers of `jacobian` are the derivatives of the coefficient, as differences of the
 ///   force show them to 32 square roots of the rounding. A growth that would be below 0 or above 1
@@ -261,8 +261,8 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         demand(speed > o, Requirement::TurningOpposes, speed, o, input)
     }
 
-    /// Checks that the resistance is the same here, in the middle and without a position, unless the
-    /// law depends on the position.
+    /// Checks that the resistance is the same here, in the middle and without a position, unless
+    /// the law depends on the position.
     fn same_resistance(&self, load: R, slip: R::Vec3) -> Result<(), Violation> {
         if self.friction.depends_on_position() {
             return Ok(());

@@ -32,12 +32,12 @@ impl HullFace {
     ///
     /// Returns `None` if no facet is below the centre of mass: a ray in this direction does not
     /// leave the hull of the contacts' positions through a facet. This occurs only if the centre of
-    /// mass is on the hull or outside of it. Other directions of such a body can have a facet, whose
-    /// barrier holds.
+    /// mass is on the hull or outside of it. Other directions of such a body can have a facet,
+    /// whose barrier holds.
     ///
-    /// It is also `None` if the facet cannot be separated from its neighbour. Then some contacts are
-    /// on the plane of one and just off the plane of the other. This occurs for a face with noise of
-    /// 1e-5 of the hull's size, and for a very flat body.
+    /// It is also `None` if the facet cannot be separated from its neighbour. Then some contacts
+    /// are on the plane of one and just off the plane of the other. This occurs for a face with
+    /// noise of 1e-5 of the hull's size, and for a very flat body.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
     /// of its neighbour is lower than it could be. A face whose corners have more noise than 1e-5
@@ -165,8 +165,8 @@ mod tests {
         }
     }
 
-    /// A block of 6 m, 8 m and 4 m whose centre of mass is 3 m above its top. Directions have a facet
-    /// if a ray meets the block. There the body is at least as high as the barrier at the edges.
+    /// A block of 6 m, 8 m and 4 m whose centre of mass is 3 m above its top. A direction has a
+    /// facet if the ray along it meets the block.
     #[test]
     fn a_centre_of_mass_outside_the_hull_has_the_facets_that_rays_leave_the_hull_through() {
         let corners = corners().map(|corner| corner * DVec3::new(1.0, 1.0, 1.0 / 6.0));

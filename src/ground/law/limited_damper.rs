@@ -143,8 +143,8 @@ impl<R: Real> ContactLaw<R> for LimitedDamper<R> {
     fn normal_force(&self, depth: R, closing_speed: R) -> R {
         let spring = self.stiffness * depth;
         let damper = self.damping * closing_speed;
-        // The sum of a damper at its lower limit is 0. Infinities of both signs have the sum NaN, of
-        // which this is 0 too.
+        // The sum of a damper at its lower limit is 0. Infinities of both signs have the sum NaN,
+        // of which this is 0 too.
         (spring + damper.at_most(spring)).at_least(R::ZERO)
     }
 
