@@ -14,6 +14,7 @@ another one the executed instructions are `NOT CHECKED`.
 
 import collections
 import concurrent.futures
+import hashlib
 import json
 import os
 import re
@@ -102,7 +103,24 @@ def counts_of(program, arguments):
             lines = file.readlines()
     own = operations.counted(lines, program, Itself)
     everything = next(int(line.split()[1]) for line in lines if line.startswith("summary:"))
+    hand_over(program, arguments, everything)
     return own, everything
+
+
+def hand_over(program, arguments, everything):
+    """Stores a count for .ci/instructions, which needs some of the same program.
+
+    The name is the hash of the program, so that a count is never that of another one.
+    """
+    target = os.environ.get("CARGO_TARGET_DIR", "target")
+    with open(program, "rb") as file:
+        name = hashlib.sha256(file.read()).hexdigest()
+    folder = os.path.join(target, "instructions", name)
+    os.makedirs(folder, exist_ok=True)
+    path = os.path.join(folder, "-".join(arguments))
+    with open(f"{path}.new", "w") as file:
+        file.write(f"{everything}\n")
+    os.replace(f"{path}.new", path)
 
 
 def chains(program, addresses):
@@ -128,18 +146,21 @@ def first_match(patterns, text, match):
     return next(name for name, pattern in patterns.items() if match(pattern, text))
 
 
-def executed(program, opcode_at, row):
-    """The executed instructions of a step: by kind, and by stage."""
+def profile(program, row):
+    """How often each address is executed in MANY - FEW steps, and all instructions of them."""
     # Side by side: a count does not depend on what else runs.
     with concurrent.futures.ThreadPoolExecutor() as pool:
         runs = pool.map(lambda steps: counts_of(program, [*row, str(steps)]), (FEW, MANY))
         (fewer, less), (own, everything) = runs
     own.subtract(fewer)
-    addresses = [address for address, count in own.items() if count]
-    where = chains(program, addresses)
+    return {address: count for address, count in own.items() if count}, everything - less
+
+
+def executed(own, everything, opcode_at, where):
+    """The executed instructions of a step: by kind, and by stage."""
     sums = collections.Counter()
-    for address in addresses:
-        count, opcode = own[address], opcode_at.get(address, "?")
+    for address, count in own.items():
+        opcode = opcode_at.get(address, "?")
         kind = first_match(KINDS, opcode, re.match)
         stage = first_match(STAGES, where[address], re.search)
         sums[kind] += count
@@ -148,8 +169,8 @@ def executed(program, opcode_at, row):
             sums[f"{stage}-arithmetic"] += count
             sums["operations"] += 2 * count if PACKED.match(opcode) else count
     # A library of the system copies memory.
-    copies = everything - less - sum(own.values())
-    sums["all"] = everything - less
+    copies = everything - sum(own.values())
+    sums["all"] = everything
     sums["moves"] += copies
     sums["rest"] += copies
     return {name: round(sums[name] / (MANY - FEW)) for name in EXECUTED + OF_STAGES}
@@ -159,12 +180,15 @@ def counted():
     """All rows, counted now."""
     formulas, program = built("floors"), built("instructions")
     opcode_at = operations.opcodes(program)
+    profiles = {row: profile(program, row) for row in ROWS}
+    # Once for all rows: reading the lines of the source takes longer than finding an address.
+    where = chains(program, sorted({address for own, _ in profiles.values() for address in own}))
     table = {}
     for row in ROWS:
         arguments = [formulas, *row, str(FEW), str(MANY)]
         text = subprocess.run(arguments, stdout=subprocess.PIPE, text=True, check=True).stdout
         table[row] = dict(zip(FORMULAS + WORK, map(number, text.split())))
-        table[row].update(executed(program, opcode_at, row))
+        table[row].update(executed(*profiles[row], opcode_at, where))
     return table
 
 
