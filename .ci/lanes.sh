@@ -7,14 +7,22 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 stored=benches/lanes.txt
 few=96 many=608 tolerance=3
 builds='x86-64 x86-64-v3'
-target=${CARGO_TARGET_DIR:-$PWD/target}/lanes
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}/lanes")
 
 command -v valgrind >/dev/null || { echo 'lanes: valgrind is needed: apt-get install valgrind' >&2; exit 1; }
+# A copy of the source without the crates that only other tests and benches use: for another processor all would be built anew.
+copy() {
+  local toml="$target/source/Cargo.toml"
+  rm -rf "$target/source" && mkdir -p "$target/source"
+  git ls-files -z | xargs -0 cp --parents -t "$target/source"
+  perl -0777 -pi -e 's/(\n\[dev-dependencies\]\n).*?(?=tumble = )/$1/s; s/^(default-members|members) = .*/$1 = ["."]/mg' "$toml"
+  if cmp -s Cargo.toml "$toml"; then echo 'lanes: Cargo.toml has other lines than those that are left out of the copy' >&2; return 1; fi
+}
 build() { # build PROCESSOR: the program
-  local flags="-C target-cpu=$1" folder="$target/$1"
+  local flags="-C target-cpu=$1" folder="$target/$1" source="$target/source"
   # The compiler's own choice, with which all crates that the program needs have been built for other checks.
-  if [ "$1" = x86-64 ]; then flags='' folder="${CARGO_TARGET_DIR:-$PWD/target}"; fi
-  RUSTFLAGS="$flags" cargo bench --quiet --bench lanes --no-run --message-format=json --target-dir "$folder" |
+  if [ "$1" = x86-64 ]; then flags='' folder=$(dirname "$target") source=$PWD; fi
+  (cd "$source" && RUSTFLAGS="$flags" cargo bench --quiet --bench lanes --no-run --message-format=json --target-dir "$folder") |
     sed -n 's/.*"name":"lanes".*"executable":"\([^"]*\)".*/\1/p'
 }
 count() { # count PROGRAM INTEGRATOR SCENE HOW STEPS: instructions of the whole program; nothing if it fails
@@ -50,6 +58,7 @@ name() {
   esac
 }
 
+copy
 declare -A program
 for processor in $builds; do program[$processor]=$(build "$processor"); done
 
