@@ -232,11 +232,13 @@ pub struct WorkPrecision<S = Setting> {
 }
 
 impl<S> WorkPrecision<S> {
-    /// Returns the row with the least time for an error of at most `error` (m).
+    /// Returns the row with the least time for an error of at most `error` (m). `None` if no row is
+    /// that accurate, or if the reference is not: the [`resolution`](Self::resolution) is above
+    /// `error`.
     #[must_use]
     pub fn cheapest(&self, error: f64) -> Option<&Row<S>> {
         (self.rows.iter())
-            .filter(|row| row.failure.is_none() && row.error <= error)
+            .filter(|row| row.failure.is_none() && row.error <= error && self.resolution <= error)
             .min_by(|a, b| by_cost(a, b))
     }
 

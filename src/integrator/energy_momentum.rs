@@ -68,7 +68,7 @@ use applied::Ahead;
 pub(in crate::integrator) use applied::close_account;
 use contacts::Contacts;
 use energy_limit::Touched;
-use gather::{Candidates, gather};
+use gather::{gather_all, gather_near};
 use panels::FOR_RIMS;
 use problem::Problem;
 pub(in crate::integrator) use problem::unit_of_gap;
@@ -513,24 +513,30 @@ fn attempt<R: Real, D: Dynamics<R>>(
 ) -> bool {
     let mut problem = Problem::new(scene, state, energy, part.seconds);
     (problem.unpushed, problem.force_seconds) = (part.unpushed, part.force_seconds);
-    for candidates in [Candidates::Near, Candidates::All] {
-        gather(&problem, contacts, candidates);
-        let (end, (after, touching)) = match flight(&problem, contacts) {
-            Some(flown) => flown,
-            None if contacts.is_empty() => continue,
-            None => {
-                problem.prepare();
-                let Some(end) = whole(&problem, energy, contacts, step) else {
-                    break;
-                };
-                let after = Energy::with_touching(scene, &end.state);
-                (end, after)
-            }
+    gather_near(&problem, contacts);
+    let mut are_all = false;
+    // Without a contact at both ends every mean force is 0, so the step is a flight.
+    let mut flies = contacts.begin_above_ground(&problem);
+    loop {
+        let end = if flies {
+            End::without_work(fly(&problem))
+        } else {
+            problem.prepare();
+            let Some(end) = whole(&problem, energy, contacts, step) else {
+                break;
+            };
+            end
         };
+        let (after, touching) = Energy::with_touching(scene, &end.state);
+        let lands = flies && touching > 0;
+        flies = false;
+        if lands && !contacts.is_empty() {
+            continue;
+        }
         // A contact that was not collected touches at the end: collect all contacts.
-        let is_complete = candidates == Candidates::All
-            || contacts.includes_those_at(&problem, (&end.state, touching));
-        if !is_complete {
+        if !(are_all || contacts.includes_those_at(&problem, (&end.state, touching))) {
+            gather_all(&problem, contacts);
+            are_all = true;
             continue;
         }
         let known = (&mut *state, &mut *energy);
@@ -576,21 +582,6 @@ fn limited<R: Real, D: Dynamics<R>>(
         work: end.work,
     };
     energy_limit::hold(scene, known, (&end.state, after), contact, step)
-}
-
-/// Returns the end of a free flight, with its energy, if no contact touches at its start or at its
-/// end. A mean force is then 0 too.
-#[inline(always)]
-fn flight<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    contacts: &Contacts<R>,
-) -> Option<(End<R>, (Energy<R>, usize))> {
-    if !contacts.begin_above_ground(problem) {
-        return None;
-    }
-    let end = End::without_work(fly(problem));
-    let (after, touching) = Energy::with_touching(problem.scene, &end.state);
-    (touching == 0).then_some((end, (after, touching)))
 }
 
 /// Free flight without an iteration, exact to rounding. It is not inlined, because its preparation

@@ -104,6 +104,12 @@ fn rows_of_the_front_do_not_depend_on_the_order_of_the_table() {
         assert_eq!(front, ["b", "d", "e"]);
         assert_eq!(table.cheapest(3.0).unwrap().setting, "b");
         assert_eq!(table.cheapest(f64::INFINITY).unwrap().setting, "b");
+        let vague = WorkPrecision {
+            resolution: 1.5,
+            ..table
+        };
+        assert_eq!(vague.cheapest(3.0).unwrap().setting, "b");
+        assert_eq!(vague.cheapest(1.0), None);
     }
 }
 

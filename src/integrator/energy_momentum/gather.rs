@@ -7,31 +7,33 @@ use crate::ground::Plane;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
 
-/// Which contacts a step collects.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Candidates {
-    /// Those below the ground, and those that the initial motion brings near.
-    Near,
-    /// All of them.
-    All,
-}
-
-/// Collects the contacts that may touch during the step.
+/// Collects the contacts below the ground, and those that the initial motion brings near.
 #[inline]
-pub(super) fn gather<R: Real, D: Dynamics<R>>(
+pub(super) fn gather_near<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
     contacts: &mut Contacts<R>,
-    candidates: Candidates,
 ) {
     contacts.clear();
-    let all = candidates == Candidates::All;
     for surface in 0..problem.surfaces() {
-        let reach = match problem.plane_of(surface).filter(|_| !all) {
+        let reach = match problem.plane_of(surface) {
             Some(plane) => near_plane(problem, surface, &plane),
-            None if all => everything(problem, surface),
             None => near_surface(problem, surface),
         };
         contacts.gather(problem, surface, &reach);
+    }
+    contacts.thin_out(problem);
+}
+
+/// Collects all contacts.
+#[cold]
+#[inline(never)]
+pub(super) fn gather_all<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &mut Contacts<R>,
+) {
+    contacts.clear();
+    for surface in 0..problem.surfaces() {
+        contacts.gather(problem, surface, &everything(problem, surface));
     }
     contacts.thin_out(problem);
 }

@@ -25,7 +25,7 @@
 //! `tests/physics/elastic_bounces.rs` has other bodies and grounds.
 
 use super::contacts::Contacts;
-use super::gather::{Candidates, gather};
+use super::gather::gather_all;
 use super::newton;
 use super::problem::{Forces, Problem, TrialStep};
 use crate::energy::Energy;
@@ -80,7 +80,7 @@ fn softness<R: Real, D: Dynamics<R>>(
     trial: &TrialStep<R>,
 ) -> R {
     let mut stiffness = R::ZERO;
-    gather(problem, contacts, Candidates::All);
+    gather_all(problem, contacts);
     contacts.respond(problem, trial, |push| stiffness += push.mean.stiffness);
     let hardness = stiffness * problem.seconds * problem.seconds / problem.mass;
     R::ONE / hardness.at_least(R::ONE)
@@ -97,7 +97,7 @@ fn stage<R: Real, D: Dynamics<R>>(
     problem.forces = Forces::Springs {
         factor: Some(factor),
     };
-    gather(problem, contacts, Candidates::All);
+    gather_all(problem, contacts);
     let mut trial = *from;
     newton::solve(problem, contacts, &mut trial, step)?;
     Some(trial)

@@ -8,7 +8,7 @@
 //! in stages ([`soften`]).
 
 use super::contacts::Contacts;
-use super::gather::{Candidates, gather};
+use super::gather::gather_all;
 use super::newton;
 use super::problem::{Forces, Problem};
 use super::resist::{Resisting, resisted};
@@ -47,7 +47,7 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
         ..Problem::new(scene, &slowed, &energy, seconds)
     };
     problem.prepare();
-    gather(&problem, contacts, Candidates::All);
+    gather_all(&problem, contacts);
     let mut trial = problem.first_trial(&energy);
     if newton::solve(&problem, contacts, &mut trial, step).is_none() {
         trial = soften::solve(&mut problem, contacts, &energy, step)?;
