@@ -42,8 +42,8 @@ pub enum Rule {
     Closed,
     /// Large enough for a finite inverse.
     FiniteInverse,
-    /// Large enough that forces and masses can be divided by it: at least 1e-277 in f64, and 2e-25
-    /// in f32.
+    /// Large enough that forces and masses can be divided by it: at least 1.2e-277 in f64, and
+    /// 2.1e-25 in f32.
     SafeDivisor,
 }
 

@@ -67,6 +67,15 @@ where
         }
     }
 
+    /// Number of contact points that touch, without the quadrature points of rims.
+    #[cold]
+    pub(crate) fn touching_points(&self, motion: &Motion<R>) -> usize {
+        let range = self.range_within(R::ZERO, motion.position, &motion.axes);
+        let mut count = 0;
+        self.visit_points(range, motion, &mut |_| count += 1);
+        count
+    }
+
     /// Calls `visit` with each contact point in `range` that touches, without the quadrature points
     /// of a rim.
     #[inline(always)]

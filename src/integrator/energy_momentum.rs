@@ -11,9 +11,9 @@
 //!    `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
 //!    resistance to rolling and spinning, if the friction law has it). Only the residual of that
 //!    solution could increase the energy.
-//! 3. `end_velocity`, `resist`: end-velocity correction for steps that do not resolve friction or
-//!    damping. It uses impulses that only dissipate energy. `applied`: the applied force, half
-//!    before and half after the step.
+//! 3. `strain`, `end_velocity`, `resist`: end-velocity correction for steps that do not resolve
+//!    friction or damping. It uses impulses that only dissipate energy. `applied`: the applied
+//!    force, half before and half after the step.
 //! 4. `energy_limit`: a correction if the computed energy exceeds the energy before the step. In
 //!    flight, the rounding is corrected in the last places of the orientation, the height or the
 //!    speed (`flight_rounding`). In contact, both velocities are scaled down until the energy no

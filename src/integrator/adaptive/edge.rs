@@ -2,9 +2,9 @@
 //! round rim.
 //!
 //! The gaps at both ends of such a step belong to different parts of the ground or of the rim, so
-//! that no interpolation between them shows the contact. Here the ground is evaluated on the path. A gap
-//! changes by at most the path of the body, so that a body with the gap `g` stays above the ground
-//! while no point of it has moved by `g`. The path is searched in parts of this length.
+//! that no interpolation between them shows the contact. Here the ground is evaluated on the path.
+//! A gap changes by at most the path of the body, so that a body with the gap `g` stays above the
+//! ground while no point of it has moved by `g`. The path is searched in parts of this length.
 
 use crate::contact::Motion;
 use crate::integrator::contact_path::push;
@@ -26,15 +26,15 @@ const HALVINGS: u32 = 10;
 pub(super) struct Brush<R> {
     /// Fraction of the step at which it is about to begin.
     pub(super) before: R,
-    /// Greatest force of its spring, N.
+    /// Greatest force of its springs, N.
     pub(super) force: R,
 }
 
 /// Searches the first contact of a body with one surface that begins and ends within a step.
 ///
 /// A plane has no edge, and is searched for rims alone. The step of a body that touches the surface
-/// at both ends is not searched, as it is short. `touches` is what is known of the contacts that
-/// are no rims.
+/// at both ends is not searched, as it is short. `touches` states whether a contact that belongs to
+/// no rim touches at each end.
 #[inline]
 pub(super) fn brush<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -80,7 +80,7 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
             return None;
         }
         let [start, end] = self.motions.map(|motion| self.gap_of(motion));
-        // Those of a rim are known from here on.
+        // A rim touches where the lowest point of the body is below the ground.
         let touches = [touches[0] || start <= R::ZERO, touches[1] || end <= R::ZERO];
         if start + end >= self.path || touches == [true; 2] {
             return None;
@@ -92,7 +92,7 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
         });
         // From here on, the body is nearer to the end than to the ground.
         let last = R::ONE - end.at_least(R::ZERO) / self.path;
-        let (mut share, mut gap, mut depth) = (R::ZERO, start, R::ZERO);
+        let (mut share, mut gap, mut deepest) = (R::ZERO, start, (R::ZERO, R::ZERO));
         let (mut entry, mut leaves) = (None, end > R::ZERO);
         loop {
             let next = share + (gap / self.path).at_least(shortest);
@@ -109,8 +109,8 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
             if here <= R::ZERO {
                 entry = entry.or((gap > R::ZERO).then_some([share, next]));
                 // That of a contact that touches from the start does not count.
-                if entry.is_some() {
-                    depth = depth.at_least(-here);
+                if entry.is_some() && -here > deepest.0 {
+                    deepest = (-here, next);
                 }
             }
             (share, gap) = (next, here);
@@ -119,8 +119,20 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
         let [before, _] = bisect(bracket, HALVINGS, |share| self.gap(share) <= R::ZERO);
         Some(Brush {
             before,
-            force: push(self.scene, depth, R::ZERO),
+            force: self.force_at(deepest),
         })
+    }
+
+    /// Force of the springs where the lowest point has a depth (m), at a fraction of the step, N.
+    fn force_at(&self, (depth, share): (R, R)) -> R {
+        if !self.scene.contact_model().has_rims() {
+            return push(self.scene, depth, R::ZERO);
+        }
+        let mut force = R::ZERO;
+        self.scene.visit_contacts(&self.motion(share), |contact| {
+            force += push(self.scene, contact.depth, R::ZERO) * contact.weight;
+        });
+        force
     }
 
     /// Returns true if no point of the body is within half of the path above the ground at one

@@ -389,7 +389,7 @@ impl<R: Real> Doubled<R> {
             .within(HORIZON)
             .scaled(RICHARDSON);
         let errors = match varying_friction::error_of(scene, [start, &middle, &end], seconds) {
-            Some(jump) => errors.or_larger(jump.within(HORIZON)),
+            Some(jump) => errors.or_larger(jump.within(HORIZON), varying_friction::BEYOND_SMOOTH),
             None => errors,
         };
         let mut allowed = allowed(settings, scene, &motion);

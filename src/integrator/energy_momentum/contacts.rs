@@ -276,8 +276,19 @@ impl<R: Real> Contacts<R> {
         if self.has_others() {
             return self.covers_those_at(problem, end);
         }
-        let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
-        self.with_rim || touching <= self.stored().iter().filter(ended_below).count()
+        let below = |touches: &[Touch<R>]| {
+            let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
+            touches.iter().filter(ended_below).count()
+        };
+        if !self.with_rim {
+            return touching <= below(self.stored());
+        }
+        // A rim is collected as a whole. Only contacts of the body itself can be missing.
+        let scene = problem.scene;
+        scene.body().contacts().is_empty() || {
+            let fixed = self.touches.get(..self.fixed).unwrap_or_default();
+            scene.contact_model().touching_points(&scene.motion(end)) <= below(fixed)
+        }
     }
 
     /// Returns true if the collected range contains all contacts that are below the ground at the

@@ -190,6 +190,9 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         after: Option<&Motion<R>>,
     ) -> (R, bool) {
         let damping = push.mean.damping;
+        if self.strain.damping <= R::TWO {
+            return (R::ZERO, false);
+        }
         let leverage = leverage(self.problem, &self.motion.axes, place.cross(normal));
         let share = self.share(damping, self.strain.damping, leverage);
         let across = self.per_speed(damping, share);

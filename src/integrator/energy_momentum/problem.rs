@@ -295,7 +295,14 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// Returns true if a rim may be below the ground at the start.
     #[inline]
     pub(super) fn has_rim_below_ground(&self) -> bool {
-        (0..self.surfaces()).any(|surface| self.has_rim_near(surface, R::ZERO))
+        let is_below = || {
+            let lowest = self.scene.contact_model().lowest_point(&self.motion);
+            lowest.is_some_and(|point| point.gap <= R::ZERO)
+        };
+        (0..self.surfaces()).any(|surface| {
+            let is_near = self.has_rim_near(surface, R::ZERO);
+            is_near && (self.plane_of(surface).is_some() || is_below())
+        })
     }
 
     /// Mean force of a surface on a contact whose depth changes uniformly from `start` to `end`

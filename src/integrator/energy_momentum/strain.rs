@@ -1,7 +1,7 @@
 //! Strain of friction and dampers in a step: whether the step resolves them.
 //!
 //! A contact that resists a velocity `u` with the force `c u` slows it as `e^-z` in a step, with
-//! `z = h c/M`. A contact with the arm `r` and the normal `n` feels the mass `M`, with
+//! `z = h c/M`. The effective mass `M` of a contact with the arm `r` and the normal `n` is
 //! `1/M = 1/m + (r × n)·J⁻¹ (r × n)`. Several dampers slow each motion of the body, and the fastest
 //! of these has the largest eigenvalue of `M⁻¹ Σ cᵢ uᵢ uᵢᵀ`, with the mass matrix `M` and
 //! `uᵢ = (nᵢ, rᵢ × nᵢ)`. It follows by the power method, in a few passes over the contacts.
@@ -61,8 +61,8 @@ impl<R: Real> Strain<R> {
         self.friction * path
     }
 
-    /// Strain of friction and dampers in a step, `z = h Σc/m`, as for contacts without an arm. Above
-    /// 2 the step does not resolve them.
+    /// Strain of friction and dampers in a step, `z = h Σc/m`, as for contacts without an arm. A step
+    /// does not resolve a strain above 2.
     #[inline]
     pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {
         let factor = problem.seconds / problem.mass;
@@ -73,8 +73,8 @@ impl<R: Real> Strain<R> {
         }
     }
 
-    /// Returns the strain in a step with that of dampers for the masses that their contacts feel, at
-    /// the orientation of the `end`. It is computed only if it may exceed 2.
+    /// Returns the strain in a step with that of dampers for the effective masses of their contacts,
+    /// at the orientation of the `end`. It is computed only if it may exceed 2.
     #[inline]
     pub(super) fn with_arms<D: Dynamics<R>>(
         self,
@@ -192,7 +192,7 @@ impl<R: Real> Along<R> {
     }
 }
 
-/// Mass of the body over the mass that a contact feels, at least 1. `turning` is the moment of a
+/// Mass of the body over the effective mass of a contact, at least 1. `turning` is the moment of a
 /// unit force at the contact, `r × n`, m.
 pub(super) fn leverage<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,

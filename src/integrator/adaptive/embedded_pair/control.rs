@@ -90,10 +90,10 @@ impl<R: Real> Errors<R> {
         }
     }
 
-    /// Returns the errors with the larger total.
+    /// Returns other errors if their total is more than so many times larger.
     #[inline]
-    pub(in crate::integrator::adaptive) fn or_larger(self, other: Self) -> Self {
-        if other.total() > self.total() {
+    pub(in crate::integrator::adaptive) fn or_larger(self, other: Self, times: f64) -> Self {
+        if other.total() > self.total() * R::from_f64(times) {
             other
         } else {
             self

@@ -145,18 +145,21 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
         let pushes = [start.pushes(), end.pushes()];
         let path = Path::between(&start, &end, self.seconds);
-        if pushes == [true; 2] && !path.turns_above_ground() {
-            if self.bends(&start, &end) {
+        let opens = path.turns_above_ground();
+        if pushes == [true; 2] {
+            if !opens && self.bends(&start, &end) {
                 discontinuities.velocity += self.bend_error(point, &[start, end]);
             }
             if self.follows_slip {
                 discontinuities.velocity += self.slip_error(point, &[start, end]);
             }
-            return pushes;
+            if !opens {
+                return pushes;
+            }
         }
         let last = if pushes[0] != pushes[1] {
             Some(R::ONE)
-        } else if path.turns_under_ground() || path.turns_above_ground() {
+        } else if path.turns_under_ground() || opens {
             Some(path.turn())
         } else if self.meets(&start, R::ONE) || self.meets(&end, R::from_f64(tuning::STAGES_AHEAD))
         {
@@ -269,7 +272,12 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         if !(pushes || end.pushes()) {
             velocity = velocity.at_least(self.excess_impulse(point, end) * mobility);
         }
-        let change = force(share) + (start.normal_force - end.normal_force).abs();
+        let ends = if pushes == end.pushes() {
+            start.normal_force + end.normal_force
+        } else {
+            (start.normal_force - end.normal_force).abs()
+        };
+        let change = force(share) + ends;
         let jump = Jump {
             share,
             resolution: self.resolution(path, share),
