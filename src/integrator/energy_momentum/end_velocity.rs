@@ -193,7 +193,8 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         if self.strain.damping <= R::TWO {
             return (R::ZERO, false);
         }
-        let leverage = leverage(self.problem, &self.motion.axes, place.cross(normal));
+        let properties = self.problem.scene.inertia_properties();
+        let leverage = leverage(properties, &self.motion.axes, place.cross(normal));
         let share = self.share(damping, self.strain.damping, leverage);
         let across = self.per_speed(damping, share);
         // The ground may take back as much impulse as it has given, but never pull.

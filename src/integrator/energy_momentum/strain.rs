@@ -11,6 +11,7 @@
 use super::contacts::Contacts;
 use super::problem::Problem;
 use super::touch::Push;
+use crate::body::InertiaProperties;
 use crate::friction::FrictionJacobian;
 use crate::real::{Real, Vector};
 use crate::rotation::Axes;
@@ -82,11 +83,12 @@ impl<R: Real> Strain<R> {
         contacts: &Contacts<R>,
         end: &State<R>,
     ) -> Self {
-        if self.damping * largest_leverage(problem) <= R::TWO {
+        let properties = problem.scene.inertia_properties();
+        if self.damping * largest_leverage(properties, problem.bounding_radius) <= R::TWO {
             return self;
         }
         Self {
-            damping: self.damping * joint_leverage(problem, contacts, end),
+            damping: self.damping * joint_leverage(properties, contacts, end),
             ..self
         }
     }
@@ -105,11 +107,12 @@ impl<R: Real> Strain<R> {
 
 /// Strain of all dampers over that of dampers without an arm, at least 1.
 ///
-/// Of contacts beyond the storage, those that are stored are a sample.
+/// Of contacts beyond the storage, those that are stored are a sample. It does not depend on the
+/// type of the scene, so that it is compiled once.
 #[cold]
 #[inline(never)]
-fn joint_leverage<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
+fn joint_leverage<R: Real>(
+    properties: &InertiaProperties<R>,
     contacts: &Contacts<R>,
     end: &State<R>,
 ) -> R {
@@ -118,25 +121,25 @@ fn joint_leverage<R: Real, D: Dynamics<R>>(
     for push in damped(contacts) {
         let along = Along::of(push);
         sum += push.mean.damping;
-        let strain = push.mean.damping * leverage(problem, &axes, along.turning);
+        let strain = push.mean.damping * leverage(properties, &axes, along.turning);
         if strain > largest {
             (largest, start) = (strain, along);
         }
     }
-    let mut motion = start.per_inertia(problem, &axes);
+    let mut motion = start.per_inertia(properties, &axes);
     let mut rate = largest;
     for _ in 0..PASSES {
         let resisted = damped(contacts).fold(Along::NONE, |resisted, push| {
             let along = Along::of(push);
             resisted.plus(&along, push.mean.damping * along.dot(&motion))
         });
-        let slowed = resisted.per_inertia(problem, &axes);
+        let slowed = resisted.per_inertia(properties, &axes);
         let growth = resisted.dot(&slowed) / resisted.dot(&motion);
         // It is NaN if no damper acts.
         if !growth.is_finite() || growth <= R::ZERO {
             break;
         }
-        rate = growth * problem.mass;
+        rate = growth * properties.mass();
         motion = Along::NONE.plus(&slowed, R::ONE / growth);
     }
     (rate / sum).at_least(R::ONE)
@@ -183,8 +186,7 @@ impl<R: Real> Along<R> {
     }
 
     /// Change of the velocities by an impulse.
-    fn per_inertia<D: Dynamics<R>>(self, problem: &Problem<'_, R, D>, axes: &Axes<R>) -> Self {
-        let properties = problem.scene.inertia_properties();
+    fn per_inertia(self, properties: &InertiaProperties<R>, axes: &Axes<R>) -> Self {
         Self {
             normal: self.normal * properties.inverse_mass(),
             turning: properties.angular_velocity(axes, self.turning),
@@ -194,19 +196,17 @@ impl<R: Real> Along<R> {
 
 /// Mass of the body over the effective mass of a contact, at least 1. `turning` is the moment of a
 /// unit force at the contact, `r × n`, m.
-pub(super) fn leverage<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
+pub(super) fn leverage<R: Real>(
+    properties: &InertiaProperties<R>,
     axes: &Axes<R>,
     turning: R::Vec3,
 ) -> R {
-    let properties = problem.scene.inertia_properties();
-    R::ONE + problem.mass * properties.angular_velocity(axes, turning).dot(turning)
+    R::ONE + properties.mass() * properties.angular_velocity(axes, turning).dot(turning)
 }
 
-/// Upper bound of the [`leverage`] of any contact.
+/// Upper bound of the [`leverage`] of any contact of a body.
 #[inline]
-fn largest_leverage<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> R {
-    let properties = problem.scene.inertia_properties();
-    let square = problem.bounding_radius * problem.bounding_radius;
-    R::ONE + problem.mass * square * properties.largest_inverse_moment()
+fn largest_leverage<R: Real>(properties: &InertiaProperties<R>, bounding_radius: R) -> R {
+    let square = bounding_radius * bounding_radius;
+    R::ONE + properties.mass() * square * properties.largest_inverse_moment()
 }

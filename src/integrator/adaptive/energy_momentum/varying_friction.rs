@@ -13,9 +13,9 @@
 //!
 //! Only the position varies in `F`. The load and the slip of each contact are those at the middle.
 
-use super::super::embedded_pair::control::Errors;
 use crate::contact::{Contact, Motion};
 use crate::friction::SlidingFriction;
+use crate::integrator::adaptive::embedded_pair::control::Errors;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
 use crate::scene::Dynamics;
