@@ -1,25 +1,28 @@
 // Unpacks the compressed parts of the page: the library, and the scripts that use it.
 'use strict';
 
-// The digits of Z85 (ZeroMQ's RFC 32), with "_" for "<", which could begin a tag.
-const DIGITS =
-  '0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&_>()[]{}@%$#';
-
-// Five digits are four bytes, the first byte first. Zeros fill up the last four.
+// Eleven digits are nine bytes, the first byte first. Zeros fill up the last nine. The digits of
+// base 94 are the characters from the space to "~", without "<", which could begin a tag.
 function unpacked(text, length) {
-  const bytes = new DataView(new ArrayBuffer((text.length / 5) * 4));
-  for (let at = 0; at < text.length; at += 5) {
-    let word = 0;
-    for (const digit of text.slice(at, at + 5)) word = 85 * word + DIGITS.indexOf(digit);
-    bytes.setUint32((at / 5) * 4, word);
+  const bytes = new Uint8Array((text.length / 11) * 9);
+  for (let at = 0; at < text.length; at += 11) {
+    let number = 0n;
+    for (const digit of text.slice(at, at + 11)) {
+      const place = digit.charCodeAt(0) - 32;
+      number = 94n * number + BigInt(place > 28 ? place - 1 : place);
+    }
+    for (let place = (at / 11) * 9 + 8; place >= (at / 11) * 9; place -= 1) {
+      bytes[place] = Number(number & 255n);
+      number >>= 8n;
+    }
   }
-  return new Uint8Array(bytes.buffer, 0, length);
+  return bytes.subarray(0, length);
 }
 
 // The bytes of a part of the page.
 async function part(id) {
   const { textContent, dataset } = document.getElementById(id);
-  const bytes = unpacked(textContent.trim(), Number(dataset.length));
+  const bytes = unpacked(textContent, Number(dataset.length));
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new Response(stream).arrayBuffer();
 }

@@ -54,7 +54,7 @@ use super::applied::Ahead;
 use super::contacts::Contacts;
 use super::problem::{Problem, TrialStep};
 use super::resist::Resistance;
-use super::strain::{Strain, leverage};
+use super::strain::{Along, Strain, leverage};
 use super::touch::{Push, Touch};
 use crate::contact::Motion;
 use crate::friction::FrictionJacobian;
@@ -194,7 +194,7 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
             return (R::ZERO, false);
         }
         let properties = self.problem.scene.inertia_properties();
-        let leverage = leverage(properties, &self.motion.axes, place.cross(normal));
+        let leverage = leverage(properties, &self.motion.axes, &Along::at(place, normal));
         let share = self.share(damping, self.strain.damping, leverage);
         let across = self.per_speed(damping, share);
         // The ground may take back as much impulse as it has given, but never pull.

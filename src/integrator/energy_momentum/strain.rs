@@ -121,7 +121,7 @@ fn joint_leverage<R: Real>(
     for push in damped(contacts) {
         let along = Along::of(push);
         sum += push.mean.damping;
-        let strain = push.mean.damping * leverage(properties, &axes, along.turning);
+        let strain = push.mean.damping * leverage(properties, &axes, &along);
         if strain > largest {
             (largest, start) = (strain, along);
         }
@@ -152,9 +152,9 @@ fn damped<R: Real>(contacts: &Contacts<R>) -> impl Iterator<Item = &Push<R>> {
         .filter(|push| push.is_active())
 }
 
-/// A force and its torque, or a velocity and an angular velocity.
+/// A force and its torque about the centre of mass, or a velocity and an angular velocity.
 #[derive(Clone, Copy)]
-struct Along<R: Real> {
+pub(super) struct Along<R: Real> {
     normal: R::Vec3,
     turning: R::Vec3,
 }
@@ -165,13 +165,17 @@ impl<R: Real> Along<R> {
         turning: R::Vec3::ZERO,
     };
 
+    /// Unit force at the end of an arm, m.
+    pub(super) fn at(arm: R::Vec3, normal: R::Vec3) -> Self {
+        Self {
+            normal,
+            turning: arm.cross(normal),
+        }
+    }
+
     /// Unit force of a contact.
     fn of(push: &Push<R>) -> Self {
-        let arm = push.end_arm - push.normal * push.radius;
-        Self {
-            normal: push.normal,
-            turning: arm.cross(push.normal),
-        }
+        Self::at(push.end_arm - push.normal * push.radius, push.normal)
     }
 
     fn dot(&self, other: &Self) -> R {
@@ -186,6 +190,7 @@ impl<R: Real> Along<R> {
     }
 
     /// Change of the velocities by an impulse.
+    #[inline(never)]
     fn per_inertia(self, properties: &InertiaProperties<R>, axes: &Axes<R>) -> Self {
         Self {
             normal: self.normal * properties.inverse_mass(),
@@ -194,14 +199,14 @@ impl<R: Real> Along<R> {
     }
 }
 
-/// Mass of the body over the effective mass of a contact, at least 1. `turning` is the moment of a
-/// unit force at the contact, `r × n`, m.
+/// Mass of the body over the effective mass of a contact, at least 1.
+#[inline]
 pub(super) fn leverage<R: Real>(
     properties: &InertiaProperties<R>,
     axes: &Axes<R>,
-    turning: R::Vec3,
+    along: &Along<R>,
 ) -> R {
-    R::ONE + properties.mass() * properties.angular_velocity(axes, turning).dot(turning)
+    properties.mass() * along.dot(&along.per_inertia(properties, axes))
 }
 
 /// Upper bound of the [`leverage`] of any contact of a body.

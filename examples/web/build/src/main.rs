@@ -199,9 +199,22 @@ fn compressed(bytes: &[u8]) -> Outcome<Vec<u8>> {
     Ok(gzip)
 }
 
-/// Writes bytes in Z85, which is shorter than base 64 by a sixteenth. Zeros fill up the last four.
-/// "_" stands for "<", which could begin a tag.
+/// Writes nine bytes as eleven digits of base 94, of which `unpack.js` knows the characters. Zeros
+/// fill up the last nine. It is shorter by a fiftieth than Z85, which writes four bytes as five.
 fn packed(mut bytes: Vec<u8>) -> String {
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
-    z85::encode(bytes).replace('<', "_")
+    bytes.resize(bytes.len().next_multiple_of(9), 0);
+    bytes.chunks(9).flat_map(digits).map(char::from).collect()
+}
+
+/// Digits of a group of nine bytes, the first byte first.
+fn digits(group: &[u8]) -> [u8; 11] {
+    let mut number = (group.iter()).fold(0_u128, |number, byte| (number << 8) | u128::from(*byte));
+    let mut digits = [0; 11];
+    for digit in digits.iter_mut().rev() {
+        let place = (number % 94) as u8;
+        number /= 94;
+        // Without "<", which could begin a tag.
+        *digit = b' ' + place + u8::from(place > b'<' - b' ' - 1);
+    }
+    digits
 }
