@@ -17,9 +17,9 @@ command -v qemu-system-riscv32 >/dev/null || cross_install "$work" qemu-system-m
 programs=(
   'symplectic_euler_f32 22016 4096'
   'symplectic_euler_f64 48640 6144'
-  'energy_momentum_f32 93184 4608'
-  'compact_energy_momentum_f32 93184 6144'
-  'energy_momentum_f64 148480 8192'
+  'energy_momentum_f32 98304 4608'
+  'compact_energy_momentum_f32 98304 6144'
+  'energy_momentum_f64 156672 8192'
 )
 build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
 # The lines that they print here are the same however they are linked.

@@ -93,6 +93,8 @@ impl<R: Real> Series<R> {
     }
 
     /// Returns the rotation within the step, world axes. `frame` are the principal axes.
+    // Whether the compiler inlines it without a word depends on what else is compiled.
+    #[inline(always)]
     pub(super) fn increment(
         &self,
         frame: [R::Vec3; 3],
