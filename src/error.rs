@@ -42,8 +42,8 @@ pub enum Rule {
     Closed,
     /// Large enough for a finite inverse.
     FiniteInverse,
-    /// Large enough that forces and masses can be divided by it: at least 1.2e-277 in f64, and
-    /// 2.1e-25 in f32.
+    /// Large enough that its square is above 0, and that a force can be divided by it: above
+    /// 1.6e-162 in f64, and 2.7e-23 in f32.
     SafeDivisor,
 }
 
@@ -67,7 +67,7 @@ impl core::fmt::Display for Rule {
             Self::Even => "must be even",
             Self::Closed => "must be closed",
             Self::FiniteInverse => "must not be so small that its inverse overflows",
-            Self::SafeDivisor => "must not be so small that a force divided by it overflows",
+            Self::SafeDivisor => "must not be so small that its square is 0",
         })
     }
 }
@@ -181,10 +181,9 @@ pub(crate) fn safe_divisor<R: Real>(
     unit: &'static str,
 ) -> Result<(), SceneError> {
     above_zero(quantity, value, unit)?;
-    // The largest number less two factors of the precision: in f32 room for a force of 1e14 N, or
-    // for less and an inverse mass by which a step multiplies the result.
-    let largest_inverse = R::MAX * (R::EPSILON * R::EPSILON);
-    let is_safe = R::ONE / value <= largest_inverse;
+    // A slip whose square is rounded to 0 has the length 0. Its friction is within its limit only if
+    // the divisor is larger. In f32 this also leaves room for a force of 9e15 N.
+    let is_safe = value * value > R::ZERO;
     obey(is_safe, Rule::SafeDivisor, quantity, value, unit)
 }
 

@@ -57,8 +57,8 @@
 //!
 //! - One rigid body with its full inertia tensor and with any number of contacts. A contact
 //!   is a point of the body with a radius, which may be 0 ([`ContactPoint`]): a ball is one
-//!   contact, a capsule two. Gyroscopic motion is included. It is exact in [`Flight`] for any
-//!   moments of inertia.
+//!   contact, a capsule two. Gyroscopic motion is included. In flight it is exact to rounding for
+//!   any moments of inertia with [`EnergyMomentum`] and other methods (see [below](#integrators)).
 //! - A ground with a spring and a damper under each contact, which never pulls. [`FlatGround`] is a
 //!   plane at any height and tilt. [`Ground`] combines a law ([`ContactLaw`]) with a shape
 //!   ([`Shape`]), for example hills and valleys ([`Terrain`]). You can implement your own.

@@ -44,7 +44,8 @@ pub struct AnisotropicCoulomb<R: Real = f64> {
     /// Coefficients along and across the grain, dimensionless, at least 0.
     pub coefficients: [R; 2],
     /// Slip at which half of the full force is reached, in the direction of the larger coefficient,
-    /// m/s, above 0.
+    /// m/s, above 0 and a [safe divisor](crate::error::Rule::SafeDivisor), also times that
+    /// coefficient.
     pub slip_speed: R,
 }
 
@@ -151,6 +152,16 @@ impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
         let [along, across] = self.coefficients;
         error::at_least_zero("coefficient of friction along the grain", along, "")?;
         error::at_least_zero("coefficient of friction across the grain", across, "")?;
-        error::slip_speed(self.slip_speed)
+        error::slip_speed(self.slip_speed)?;
+        // The law divides by this product.
+        let width = self.larger() * self.slip_speed;
+        if self.larger() > R::ZERO {
+            error::safe_divisor(
+                "slip speed times coefficient of the friction",
+                width,
+                " m/s",
+            )?;
+        }
+        Ok(())
     }
 }

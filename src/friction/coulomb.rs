@@ -20,7 +20,8 @@ use crate::real::{Real, Vector};
 pub struct Coulomb<R = f64> {
     /// Coefficient of friction, dimensionless, at least 0.
     pub coefficient: R,
-    /// Slip at which half of the full force is reached, m/s, above 0.
+    /// Slip at which half of the full force is reached, m/s, above 0 and a
+    /// [safe divisor](crate::error::Rule::SafeDivisor).
     pub slip_speed: R,
 }
 
@@ -81,7 +82,8 @@ impl<R: Real> SlidingFriction<R> for Coulomb<R> {
 pub struct SmoothCoulomb<R = f64> {
     /// Coefficient of friction, dimensionless, at least 0.
     pub coefficient: R,
-    /// Slip at which 71 % of the full force is reached, m/s, above 0.
+    /// Slip at which 71 % of the full force is reached, m/s, above 0 and a
+    /// [safe divisor](crate::error::Rule::SafeDivisor).
     pub slip_speed: R,
 }
 

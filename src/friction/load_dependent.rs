@@ -57,7 +57,8 @@ pub struct LoadDependentCoulomb<R = f64> {
     /// Normal force of one contact at which 79 % (`2^(-1/3)`) of the coefficient is left, N, above
     /// 0.
     pub transition_load: R,
-    /// Slip at which half of the full force is reached, m/s, above 0.
+    /// Slip at which half of the full force is reached, m/s, above 0 and a
+    /// [safe divisor](crate::error::Rule::SafeDivisor).
     pub slip_speed: R,
 }
 

@@ -16,7 +16,8 @@ pub struct RollingResistance<R = f64> {
     pub rolling: R,
     /// Largest torque against spinning, N m, at least 0.
     pub spinning: R,
-    /// Angular speed at which half of the torque is reached, rad/s, above 0.
+    /// Angular speed at which half of the torque is reached, rad/s, above 0 and a
+    /// [safe divisor](crate::error::Rule::SafeDivisor).
     pub turn_speed: R,
 }
 
@@ -115,7 +116,8 @@ pub struct WithResistance<F, R = f64> {
     pub rolling: R,
     /// Largest spinning torque per normal force, m, at least 0.
     pub spinning: R,
-    /// Angular speed at which half of the torque is reached, rad/s, above 0.
+    /// Angular speed at which half of the torque is reached, rad/s, above 0 and a
+    /// [safe divisor](crate::error::Rule::SafeDivisor).
     pub turn_speed: R,
 }
 

@@ -35,7 +35,8 @@ pub struct Stribeck<R = f64> {
     pub stribeck_speed: R,
     /// Viscous friction per normal force, s/m, at least 0.
     pub viscous: R,
-    /// Slip at which half of the static force is reached, m/s, above 0.
+    /// Slip at which half of the static force is reached, m/s, above 0 and a
+    /// [safe divisor](crate::error::Rule::SafeDivisor).
     pub slip_speed: R,
 }
 

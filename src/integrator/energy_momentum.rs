@@ -3,6 +3,7 @@
 //! The proof is in [`guide::energy`](crate::guide::energy). A step has these stages
 //! (`shared`: what several of them use):
 //!
+//! 0. `fly`: a step without a contact at both ends is a flight, without the stages 1 to 3.
 //! 1. `problem`, `gather`, `contacts`, `panels`, `touch`: the two momentum equations of the step,
 //!    the contacts that it may reach, and their mean forces along its path (`dual`, `answer`: the
 //!    unknowns of friction; `reversal`: friction that reverses along a rim; `lever`: contacts that
@@ -125,9 +126,10 @@ pub use workspace::Workspace;
 ///   an applied force it is accurate if the step resolves that too: `dt < m/c` for a drag `c` per
 ///   speed. With a longer step a sinking body has the wrong speed.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
-///   of all contacts. Flight costs no iteration. It is exact to rounding, for any moments of
-///   inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). A body at
-///   rest costs a comparison, once a step of the same session has detected the rest. A step of
+///   of all contacts. Flight costs no iteration. It is exact to rounding over any ground, for any
+///   moments of inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)).
+///   The exception is a step that may bring more contacts to the ground than are stored, 128. It is
+///   solved as a step in contact, also if none touches. A body at rest costs a comparison, once a step of the same session has detected the rest. A step of
 ///   another size can move it once more to a lower energy, by some 1e-11 of its size in `f64`.
 /// - *Long steps* on hard ground, where a bounce lasts much less than a step, cost about as many
 ///   iterations as shorter steps. The unknowns of the contacts are then their forces, as between
@@ -170,9 +172,9 @@ pub use workspace::Workspace;
 ///   m/s² on.
 /// - *Slow motion in contact*, as of a body that rocks or that rolls up a slope: rounding takes up
 ///   to `ε (m g r + m v²/2)` a step, with the distance r of the body's farthest point from the
-///   origin, where the step resolves the contact. A swing ends after as many steps as its energy
+///   origin, where the step resolves the contact. An oscillation ends after as many steps as its energy
 ///   has such units. So take no shorter steps than the motion needs, and an origin near the ground.
-///   A swing with less than 128 units, at `0.1 √(g/size)`, ends at once; a faster one has a smaller
+///   An oscillation with less than 128 units, at `0.1 √(g/size)`, ends at once; a faster one has a smaller
 ///   bound. A [`PointMass`](crate::PointMass), a body on ground that moves and a body under a drive
 ///   can stop at a turning point for good, at steps below `√(128 ε E/m)/a` with the energy E and
 ///   the acceleration a there.
@@ -237,7 +239,8 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 /// twice as much. As long as at most `CONTACTS` contacts may touch in a step, the steps have the
 /// same bits as those of `EnergyMomentum`. If there are more, the method computes the others anew
 /// at each iteration, as `EnergyMomentum` does beyond 128. All that is said of `EnergyMomentum`
-/// then holds, but the bits differ and a step takes more time.
+/// then holds, but the bits differ, a step takes more time, and a step in the air near the ground
+/// rotates the body as a step in contact does.
 ///
 /// The number must be above 0, which is checked when the program is compiled. A body with round
 /// rims needs at least 96, which is checked when the scene is composed. The points of a rim depend

@@ -99,7 +99,7 @@ const ABOVE_ZERO: (Rule, &[f64], &[f64]) = (
 const DIVISOR: (Rule, &[f64], &[f64]) = (
     Rule::AboveZero,
     &[0.0, -0.0, -1.0, -5e-324, -f64::MAX],
-    &[1e-270, 1e-100, 1.0, 1e100, f64::MAX],
+    &[1e-160, 1e-100, 1.0, 1e100, f64::MAX],
 );
 /// Refused: less than 0, and what is not finite.
 const AT_LEAST_ZERO: (Rule, &[f64], &[f64]) = (
@@ -1227,6 +1227,27 @@ fn the_numbers_of_turning_resistance_are_in_their_ranges() {
     });
 }
 
+/// The law divides by slip speed times coefficient.
+#[test]
+fn a_small_coefficient_along_a_grain_does_not_make_the_divisor_zero() {
+    let scene = |coefficient: f64| {
+        let law = AnisotropicCoulomb::on(DVec3::Z, DVec3::X, [coefficient; 2], 1e-150);
+        Stepper::new(point_mass(1.0))?
+            .with_friction(law)
+            .map(|_| ())
+    };
+    let error = scene(1e-20).unwrap_err();
+    assert_eq!(error.rule, Rule::SafeDivisor);
+    assert_eq!(
+        error.quantity,
+        "slip speed times coefficient of the friction"
+    );
+    assert_eq!(
+        [0.0, 1e-10].map(|coefficient| scene(coefficient).is_ok()),
+        [true; 2]
+    );
+}
+
 #[test]
 fn the_numbers_of_friction_with_a_grain_are_in_their_ranges() {
     let law = AnisotropicCoulomb::on(DVec3::Z, DVec3::X, [0.3, 0.5], 1e-3);
@@ -1399,7 +1420,8 @@ fn a_divisor_is_large_enough<R: Real, F: SlidingFriction<R> + Copy>(law: impl Fn
             .integrator(EnergyMomentum { time_step })
             .build()
     };
-    let least = 1.0 / (R::MAX.to_f64() * R::EPSILON.to_f64().powi(2));
+    // Half of the smallest number above 0 is rounded to 0.
+    let least = (4.0 / R::MAX.to_f64()).sqrt() * (R::EPSILON.to_f64() / 2.0).sqrt();
     let error = scene(0.9 * least).unwrap_err();
     assert_eq!(error.rule, Rule::SafeDivisor);
     assert_eq!(error.value.to_bits(), real(0.9 * least).to_f64().to_bits());
@@ -1452,7 +1474,7 @@ fn divisors_are_large_enough<R: Real>() {
         AnisotropicCoulomb::on(
             axis(0.0, 0.0, 1.0),
             axis(1.0, 0.0, 0.0),
-            [coefficient, other],
+            [R::ONE, coefficient],
             slip_speed,
         )
     });

@@ -69,24 +69,62 @@ fn no_dip_of_a_rim_is_between_the_stages_of_a_step() {
     }
 }
 
-/// A point mass bounces, with a touch-down in which a damper acts from the surface on. A step may
-/// begin and end in the ground and be above it in between. That was not seen, and seven of 400
-/// heights ended with 5 to 5.6 tolerances.
+/// Height (m) of a point mass 0.7 s after it is dropped onto ground with a spring and a damper.
+fn bounced(height: f64, [mass, stiffness, damping]: [f64; 3], integrator: impl Integrator) -> f64 {
+    let stepper = Stepper::new(point_mass(mass))
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, damping)))
+        .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
+        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .unwrap();
+    let mut state = State::at(DVec3::Z * height);
+    stepper.advance(&mut state, 0.7).unwrap();
+    state.position.z
+}
+
+/// Heights from which a body is dropped, m.
+fn heights() -> impl Iterator<Item = f64> {
+    (0..400).map(|number| 0.0005 + 0.00025 * f64::from(number))
+}
+
+/// A step may begin and end in the ground and be above it in between. `DormandPrince54` did not see
+/// that, and seven of the heights ended with 5 to 5.6 tolerances.
 #[test]
 fn a_contact_that_opens_and_closes_within_a_step_is_seen() {
-    let ends = |height: f64, tolerance: f64| {
-        let stepper = Stepper::new(point_mass(1.0))
-            .and_then(|stepper| stepper.with_ground(FlatGround::level(3e4, 30.0)))
-            .and_then(|stepper| stepper.with_gravity(UniformGravity::down(9.8)))
-            .and_then(|stepper| stepper.with_integrator(Once(DormandPrince54::new(tolerance))))
-            .unwrap();
-        let mut state = State::at(DVec3::Z * height);
-        stepper.advance(&mut state, 0.7).unwrap();
-        state.position.z
-    };
-    for number in 0..400 {
-        let height = 0.0005 + 0.00025 * f64::from(number);
-        let error = (ends(height, 1e-2) - ends(height, 1e-9)).abs();
-        assert!(error <= 5e-2, "from {height} m: {error} m");
+    let (scene, tolerance) = ([1.0, 3e4, 30.0], 1e-2);
+    for height in heights() {
+        let truth = bounced(height, scene, DormandPrince54::new(1e-9));
+        let ends = [
+            bounced(height, scene, DormandPrince54::new(tolerance)),
+            bounced(height, scene, BogackiShampine32::new(tolerance)),
+            bounced(height, scene, AdaptiveNystrom::new(tolerance)),
+            bounced(height, scene, Radau5::new(tolerance)),
+        ];
+        for end in ends {
+            assert!(
+                (end - truth).abs() <= 5.0 * tolerance,
+                "from {height} m: {end}"
+            );
+        }
+    }
+}
+
+/// The stages of a long step may leave the ground although the body does not. The difference of the
+/// results then passes through zero at some step size, and with it the estimate. In the first scene
+/// single heights ended with 35 tolerances. The others have not shaped the remedy: up to 46 and 67
+/// tolerances before.
+#[test]
+fn a_contact_that_only_a_stage_has_lost_is_seen() {
+    for scene in [[1.0, 3e4, 30.0], [1.0, 1e5, 10.0], [1.0, 3e4, 0.0]] {
+        for height in heights().step_by(2) {
+            let truth = bounced(height, scene, DormandPrince54::new(1e-9));
+            for tolerance in [1e-2, 1e-3, 1e-4] {
+                let end = bounced(height, scene, DormandPrince54::new(tolerance));
+                let error = (end - truth).abs() / tolerance;
+                assert!(
+                    error <= 5.0,
+                    "{scene:?} from {height} m: {error} of {tolerance:e} m"
+                );
+            }
+        }
     }
 }

@@ -119,15 +119,12 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
         let [before, _] = bisect(bracket, HALVINGS, |share| self.gap(share) <= R::ZERO);
         Some(Brush {
             before,
-            force: self.force_at(deepest),
+            force: self.force_at(deepest.1),
         })
     }
 
-    /// Force of the springs where the lowest point has a depth (m), at a fraction of the step, N.
-    fn force_at(&self, (depth, share): (R, R)) -> R {
-        if !self.scene.contact_model().has_rims() {
-            return push(self.scene, depth, R::ZERO);
-        }
+    /// Force of the springs at a fraction of the step, N.
+    fn force_at(&self, share: R) -> R {
         let mut force = R::ZERO;
         self.scene.visit_contacts(&self.motion(share), |contact| {
             force += push(self.scene, contact.depth, R::ZERO) * contact.weight;

@@ -43,9 +43,9 @@ use crate::state::State;
 /// ```
 /// Here `r` is the bounding radius of the body (or its radius of gyration, if that is larger), and
 /// `δφ` and `δω` are the errors of the rotation and of the angular velocity. Where the friction
-/// varies with the position, the estimate is at least what a jump of the friction within the step
-/// may change. The rounding is 16 ε
-/// of position and speed, plus what the roundings of the angular momentum, of the energy and of the
+/// varies with the position, the estimate is at least two thirds of what one jump of the friction
+/// may change, under the contacts that touch at the middle of the step. The rounding is 16 ε of
+/// position and speed, plus what the roundings of the angular momentum, of the energy and of the
 /// depths change in the velocities. The root makes the error of a run proportional to the
 /// tolerance. It counts as 1 for a tolerance above `r`.
 ///

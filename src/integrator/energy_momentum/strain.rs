@@ -18,7 +18,8 @@ use crate::rotation::Axes;
 use crate::scene::Dynamics;
 use crate::state::State;
 
-/// Passes of the power method. They find an eigenvalue that is twice the next one to 0.4 %.
+/// Passes of the power method. They find an eigenvalue that is twice the next one to
+/// 0.4 %, from a start that contains both equally.
 const PASSES: u32 = 4;
 
 /// Resistance of all contacts to sliding and to closing, N s/m.

@@ -92,6 +92,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             seconds,
             to_discontinuity,
             allowed,
+            may_pass: smooth <= allowed,
             energy_gained: &energy_gained,
         };
         let added = after.without(before, contacts.len());
@@ -116,6 +117,8 @@ pub(super) struct AttemptedStep<'a, R: Real, D> {
     pub(super) seconds: R,
     to_discontinuity: bool,
     allowed: R,
+    /// Whether the error estimate of the step without discontinuities is allowed.
+    may_pass: bool,
     /// Energy that the step has gained, J.
     energy_gained: &'a dyn Fn() -> R,
 }
@@ -149,6 +152,8 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         if pushes == [true; 2] {
             if !opens && self.bends(&start, &end) {
                 discontinuities.velocity += self.bend_error(point, &[start, end]);
+            } else if !opens && self.stage_parts(point) {
+                discontinuities.velocity += self.stage_error(point, &path);
             }
             if self.follows_slip {
                 discontinuities.velocity += self.slip_error(point, &[start, end]);
@@ -218,6 +223,28 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
             return R::ZERO;
         }
         (bent.integral - self.mean_of_stages(point)).abs() * weight
+    }
+
+    /// Returns true if a stage has lost a contact, unless the step is too large in any case.
+    ///
+    /// The force of the stages has a discontinuity then, although that of the path has none, and the
+    /// estimate of the step may be small by chance.
+    #[inline]
+    fn stage_parts(&self, point: &ContactPoint<R>) -> bool {
+        self.may_pass
+            && (self.weighted_motions())
+                .any(|(motion, _)| !ContactEnd::of(self.scene, motion, point).pushes())
+    }
+
+    /// Returns the velocity error of a contact that pushes along the whole path, but not in each
+    /// stage.
+    #[inline(never)]
+    fn stage_error(&self, point: &ContactPoint<R>, path: &Path<R>) -> R {
+        let truth = Bent::between(|share| self.force_on(path, share), R::ZERO, R::ONE).integral;
+        let weight = self.seconds
+            * mobility(self.scene, point, self.ends[1])
+            * R::from_f64(tuning::ERROR_WEIGHT);
+        (truth - self.mean_of_stages(point)).abs() * weight
     }
 
     /// Returns the normal force on a path at a fraction of the step, N.

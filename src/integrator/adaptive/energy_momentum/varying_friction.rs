@@ -12,6 +12,7 @@
 //! it is [`BEYOND_SMOOTH`] times that of the difference.
 //!
 //! Only the position varies in `F`. The load and the slip of each contact are those at the middle.
+//! A contact that does not touch there does not count.
 
 use crate::contact::{Contact, Motion};
 use crate::friction::SlidingFriction;
