@@ -181,8 +181,8 @@ pub(crate) fn safe_divisor<R: Real>(
     unit: &'static str,
 ) -> Result<(), SceneError> {
     above_zero(quantity, value, unit)?;
-    // A slip whose square is rounded to 0 has the length 0. Its friction is within its limit only if
-    // the divisor is larger. In f32 this also leaves room for a force of 9e15 N.
+    // A slip whose square is rounded to 0 has the length 0. Its friction is within its limit only
+    // if the divisor is larger. In f32 this also leaves room for a force of 9e15 N.
     let is_safe = value * value > R::ZERO;
     obey(is_safe, Rule::SafeDivisor, quantity, value, unit)
 }

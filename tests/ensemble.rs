@@ -6,7 +6,7 @@
     clippy::std_instead_of_core,
     clippy::cast_possible_truncation,
     clippy::incompatible_msrv,
-    reason = "a program has the standard library and a newer compiler than the library needs, its numbers are small, and an error ends it"
+    reason = "a program has std and a newer compiler, its numbers are small, an error ends it"
 )]
 
 use std::collections::BTreeSet;

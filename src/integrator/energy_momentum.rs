@@ -127,10 +127,12 @@ pub use workspace::Workspace;
 ///   speed. With a longer step a sinking body has the wrong speed.
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding over any ground, for any
-///   moments of inertia ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)).
-///   The exception is a step that may bring more contacts to the ground than are stored, 128. It is
-///   solved as a step in contact, also if none touches. A body at rest costs a comparison, once a step of the same session has detected the rest. A step of
-///   another size can move it once more to a lower energy, by some 1e-11 of its size in `f64`.
+///   moments of inertia
+///   ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). The exception is a
+///   step that may bring more contacts to the ground than are stored, 128. It is solved as a step in
+///   contact, also if none touches. A body at rest costs a comparison, once a step of the same
+///   session has detected the rest. A step of another size can move it once more to a lower energy,
+///   by some 1e-11 of its size in `f64`.
 /// - *Long steps* on hard ground, where a bounce lasts much less than a step, cost about as many
 ///   iterations as shorter steps. The unknowns of the contacts are then their forces, as between
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
@@ -172,10 +174,11 @@ pub use workspace::Workspace;
 ///   m/s² on.
 /// - *Slow motion in contact*, as of a body that rocks or that rolls up a slope: rounding takes up
 ///   to `ε (m g r + m v²/2)` a step, with the distance r of the body's farthest point from the
-///   origin, where the step resolves the contact. An oscillation ends after as many steps as its energy
-///   has such units. So take no shorter steps than the motion needs, and an origin near the ground.
-///   An oscillation with less than 128 units, at `0.1 √(g/size)`, ends at once; a faster one has a smaller
-///   bound. A [`PointMass`](crate::PointMass), a body on ground that moves and a body under a drive
+///   origin, where the step resolves the contact. An oscillation ends after as many steps as its
+///   energy has such units. So take no shorter steps than the motion needs, and an origin near the
+///   ground. An oscillation with less than 128 units, at `0.1 √(g/size)`, ends at once; a faster
+///   one has a smaller bound. A [`PointMass`](crate::PointMass), a body on ground that moves and a
+///   body under a drive
 ///   can stop at a turning point for good, at steps below `√(128 ε E/m)/a` with the energy E and
 ///   the acceleration a there.
 /// - *Resistance to rolling and spinning* is linear where the angular speed and the turn speed

@@ -18,8 +18,8 @@ use super::method::adaptive_method;
 /// `tests/physics/adaptive.rs` prints the errors. After longer times the error depends on how the
 /// motion amplifies it (see the guide).
 ///
-/// *Bounces* without dampers conserve the errors of the steps, which add up. There are more steps at
-/// a tighter tolerance, and so more tolerances of error: with 1e-6 m some tens in a second.
+/// *Bounces* without dampers conserve the errors of the steps, which add up. There are more steps
+/// at a tighter tolerance, and so more tolerances of error.
 ///
 /// *Torque-free rotation* is exact to rounding. Its error is no part of the estimate where no
 /// contact can come into reach.

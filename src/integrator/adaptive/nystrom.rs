@@ -95,9 +95,9 @@ use estimate::{Attempt, SPAN};
 ///   the error after a second. After longer times it depends on how the motion amplifies it.
 /// - *May add energy* by the size of its error.
 /// - *Limit: bounces on stiff ground without dampers.* If a long step ends soon after a touch-down,
-///   the correction of the touch-down is inexact, and the estimate does not contain this error. Most
-///   such runs are within the tolerance, and single ones end with tens of tolerances. Use
-///   [`DormandPrince54`](crate::DormandPrince54) there, or a shorter `longest_step`.
+///   the correction of the touch-down is inexact, and the estimate does not contain this error.
+///   Single runs end with far more than their tolerance. Use
+///   [`DormandPrince54`](crate::DormandPrince54) there.
 /// - *Spinning on the spot:* where a contact hardly slips and has hardly any friction, the step may
 ///   exceed the limit of stability of its friction, whatever the slip speed. Friction is then
 ///   limited to what is stable. The friction of a round rim is resolved instead, in somewhat more

@@ -108,8 +108,8 @@ impl<R: Real> Strain<R> {
 
 /// Strain of all dampers over that of dampers without an arm, at least 1.
 ///
-/// Of contacts beyond the storage, those that are stored are a sample. It does not depend on the
-/// type of the scene, so that it is compiled once.
+/// The stored contacts are a sample, if there are more. The function does not depend on the type of
+/// the scene, so that it is compiled once.
 #[cold]
 #[inline(never)]
 fn joint_leverage<R: Real>(

@@ -216,9 +216,7 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         let path = Path::between(start, end, self.seconds);
         let force = |share: R| self.force_on(&path, share);
         let bent = Bent::between(force, R::ZERO, R::ONE);
-        let weight = self.seconds
-            * mobility(self.scene, point, self.ends[1])
-            * R::from_f64(tuning::ERROR_WEIGHT);
+        let weight = self.error_weight(point);
         if bent.doubt * weight <= self.allowed * R::from_f64(tuning::SMOOTH) {
             return R::ZERO;
         }
@@ -227,9 +225,9 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
 
     /// Returns true if a stage has lost a contact, unless the step is too large in any case.
     ///
-    /// The force of the stages has a discontinuity then, although that of the path has none, and the
-    /// estimate of the step may be small by chance. No stage departs from the path by more than the
-    /// speeds allow, so most contacts are not evaluated.
+    /// The force of the stages has a discontinuity then, although that of the path has none, and
+    /// the estimate of the step may be small by chance. A stage departs from the path by part of
+    /// what the speeds cover, so a contact that is deeper at both ends is not evaluated.
     #[inline]
     fn stage_parts(&self, point: &ContactPoint<R>, ends: [&ContactEnd<R>; 2]) -> bool {
         let [start, end] = ends;
@@ -246,10 +244,13 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     #[inline(never)]
     fn stage_error(&self, point: &ContactPoint<R>, path: &Path<R>) -> R {
         let truth = Bent::between(|share| self.force_on(path, share), R::ZERO, R::ONE).integral;
-        let weight = self.seconds
-            * mobility(self.scene, point, self.ends[1])
-            * R::from_f64(tuning::ERROR_WEIGHT);
-        (truth - self.mean_of_stages(point)).abs() * weight
+        (truth - self.mean_of_stages(point)).abs() * self.error_weight(point)
+    }
+
+    /// Returns the velocity error per error of the mean normal force of a contact, m/s/N.
+    #[inline]
+    fn error_weight(&self, point: &ContactPoint<R>) -> R {
+        self.seconds * mobility(self.scene, point, self.ends[1]) * R::from_f64(tuning::ERROR_WEIGHT)
     }
 
     /// Returns the normal force on a path at a fraction of the step, N.
