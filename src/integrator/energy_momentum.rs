@@ -128,11 +128,11 @@ pub use workspace::Workspace;
 /// - *Cost* in contact: two to five iterations a step, each about as expensive as two evaluations
 ///   of all contacts. Flight costs no iteration. It is exact to rounding over any ground, for any
 ///   moments of inertia
-///   ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). The exception is a
-///   step that may bring more contacts to the ground than are stored, 128. It is solved as a step in
-///   contact, also if none touches. A body at rest costs a comparison, once a step of the same
-///   session has detected the rest. A step of another size can move it once more to a lower energy,
-///   by some 1e-11 of its size in `f64`.
+///   ([`InertiaProperties::turn_freely`](crate::InertiaProperties::turn_freely)). The exception
+///   is a step that may bring more contacts to the ground than are stored, 128. It is solved as a
+///   step in contact, also if none touches. A body at rest costs a comparison, once a step of the
+///   same session has detected the rest. A step of another size can move it once more to a lower
+///   energy, by some 1e-11 of its size in `f64`.
 /// - *Long steps* on hard ground, where a bounce lasts much less than a step, cost about as many
 ///   iterations as shorter steps. The unknowns of the contacts are then their forces, as between
 ///   rigid bodies. This holds for a stiffness of all touching contacts from 64 to 1e10 times the
