@@ -264,19 +264,49 @@ impl<R: Real> Path<R> {
         (below + above) * R::HALF
     }
 
-    /// Returns the approximate fraction of greatest or least depth on a path whose ends have slopes
-    /// of different signs.
+    /// Returns the fraction of greatest or least depth on a path whose ends have slopes of different
+    /// signs.
+    ///
+    /// The slope `m₀ + 2 b s + 3 c s²` has one zero between the ends. The root is taken without
+    /// cancellation.
     #[inline]
     pub(in crate::integrator) fn turn(&self) -> R {
-        self.start_slope / (self.start_slope - self.end_slope)
+        let (slope, square) = (self.start_slope, -self.square);
+        let cube = R::from_f64(3.0) * self.cube;
+        // The ends of the slope have different signs, so rounding alone makes it negative.
+        let root = (square * square - cube * slope).at_least(R::ZERO).sqrt();
+        let root = if slope < R::ZERO { -root } else { root };
+        let share = if square * root < R::ZERO {
+            (square - root) / cube
+        } else {
+            slope / (square + root)
+        };
+        share.at_least(R::ZERO).at_most(R::ONE)
     }
 
     /// Returns true if a path with both ends above ground is below it in between.
     #[inline]
     pub(in crate::integrator) fn turns_under_ground(&self) -> bool {
+        self.greatest_depth(R::ZERO).is_some()
+    }
+
+    /// Returns the greatest depth that a path may reach with both ends above ground, m, or `None` if
+    /// it stays above.
+    ///
+    /// The path is known within this `error` (m) in its middle. At the fraction `s` it is known
+    /// within `16 s² (1 - s)²` of that.
+    #[inline]
+    pub(in crate::integrator) fn greatest_depth(&self, error: R) -> Option<R> {
         let above = self.start <= R::ZERO && self.end <= R::ZERO;
         let turns = self.start_slope > R::ZERO && self.end_slope < R::ZERO;
-        above && turns && self.at(self.turn()).0 > R::ZERO
+        if !(above && turns) {
+            return None;
+        }
+        let share = self.turn();
+        let part = R::from_f64(4.0) * share * (R::ONE - share);
+        let (depth, _) = self.at(share);
+        let depth = depth + error * part * part;
+        (depth > R::ZERO).then_some(depth)
     }
 
     /// Returns true if a path with both ends below ground is above it in between.
@@ -286,6 +316,22 @@ impl<R: Real> Path<R> {
         let turns = self.start_slope < R::ZERO && self.end_slope > R::ZERO;
         below && turns && self.at(self.turn()).0 < R::ZERO
     }
+}
+
+/// Returns the largest distance of a contact from its [`Path`] between these motions, m.
+///
+/// Hermite's cubic is wrong by at most `s² (1 - s)² h⁴/24` times the fourth derivative. That is at
+/// most `r ω⁴` at a distance `r` from the centre of mass.
+#[inline]
+pub(in crate::integrator) fn path_error<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    ends: [&Motion<R>; 2],
+    seconds: R,
+) -> R {
+    let [first, last] = ends.map(|motion| motion.angular_velocity.length());
+    let angle = first.at_least(last) * seconds;
+    let square = angle * angle;
+    scene.bounding_radius() * (square * square * R::from_f64(1.0 / 384.0))
 }
 
 /// Largest change in the second iteration of Newton's method, as a fraction of the step, that

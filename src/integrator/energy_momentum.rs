@@ -319,8 +319,14 @@ fn step<R: Real, D: Dynamics<R>>(
     dt: R,
     (contacts, memory): (&mut Contacts<R>, &mut Memory<R>),
 ) -> Result<Step<R>, StepError> {
-    if dt <= R::ZERO || memory.rests(state, dt) {
+    if dt <= R::ZERO {
         return Ok(Step::new(dt, 0));
+    }
+    if let Some(drive_work) = memory.work_at_rest(state, dt) {
+        return Ok(Step {
+            drive_work,
+            ..Step::new(dt, 0)
+        });
     }
     // An orientation that no scaling makes a rotation: every attempt would fail, and the body
     // would stay at its pose.
@@ -383,7 +389,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
         fall(scene, state, &mut energy, dt, &mut step);
     }
     applied::close_account(before.total(), energy.total(), &mut step);
-    memory.note([&start, state], &energy, dt);
+    memory.note([&start, state], &energy, &step);
     Ok(step)
 }
 

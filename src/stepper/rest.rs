@@ -114,6 +114,8 @@ where
             return true;
         }
         let is_whole = self.integrator.fixed_step() == Some(step.elapsed);
+        // The work of a drive is reported step by step.
+        let is_whole = is_whole && step.drive_work == R::ZERO;
         *rests |= is_whole && (!I::SPANS_STEPS || self.touching(after) > 0);
         false
     }

@@ -155,34 +155,50 @@ pub struct Workspace<R: Real = f64> {
     rest: Rest<R>,
 }
 
-/// Lengths of the last two steps that have left a state unchanged, s, and that state. A frame of a
-/// display is a whole step and the rest of one.
+/// The last two steps that have left a state unchanged, and that state. A frame of a display is a
+/// whole step and the rest of one.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rest<R: Real>(Option<([R; 2], State<R>)>);
+struct Rest<R: Real>(Option<([AtRest<R>; 2], State<R>)>);
+
+/// A step that has left a state unchanged.
+#[derive(Clone, Copy, Debug)]
+struct AtRest<R> {
+    /// Length, s.
+    seconds: R,
+    /// Work of drives, J.
+    drive_work: R,
+}
 
 impl<R: Real> Rest<R> {
     /// Notes a step that leaves the state unchanged, if the comparison step has left it unchanged
     /// too: any other error changes the size of the next step.
-    fn after(&self, [start, end]: [&State<R>; 2], seconds: R, error: R) -> Self {
+    fn after(&self, start: &State<R>, doubled: &Doubled<R>, error: R) -> Self {
+        let step = AtRest {
+            seconds: doubled.step.elapsed,
+            drive_work: doubled.step.drive_work,
+        };
         let before = match &self.0 {
             Some(([last, _], known)) if known == start => *last,
-            _ => R::ZERO,
+            _ => step,
         };
-        Self((start == end && error == R::ZERO).then_some(([seconds, before], *start)))
+        let rests = doubled.end == *start && error == R::ZERO;
+        Self(rests.then_some(([step, before], *start)))
     }
 
-    /// Returns true if a step of this length is known to leave this state unchanged.
+    /// Returns the step of this length that is known to leave this state unchanged.
     #[inline]
-    fn is_of(&self, state: &State<R>, seconds: R) -> bool {
-        let is_known = |length: &R| *length == seconds;
-        (self.0.as_ref())
-            .is_some_and(|(lengths, known)| lengths.iter().any(is_known) && known == state)
+    fn of(&self, state: &State<R>, seconds: R) -> Option<&AtRest<R>> {
+        let (steps, _) = self.0.as_ref().filter(|(_, known)| known == state)?;
+        steps.iter().find(|step| step.seconds == seconds)
     }
+}
 
+impl<R: Real> AtRest<R> {
     /// Returns the report of such a step after the work so far.
-    fn step(seconds: R, work: &Step<R>) -> Step<R> {
+    fn report(&self, work: &Step<R>) -> Step<R> {
         Step {
-            elapsed: seconds,
+            elapsed: self.seconds,
+            drive_work: self.drive_work,
             error_estimate: Some(R::ZERO),
             ..*work
         }
@@ -211,9 +227,9 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
         let mut trial = control.first_trial_from((scene, state), ROOTS, &settings, &mut work);
         loop {
             let seconds = control.next_attempt(&settings, &trial, limit)?;
-            if workspace.rest.is_of(state, seconds) {
+            if let Some(step) = workspace.rest.of(state, seconds) {
                 control.accept(ROOTS, &trial, seconds, R::ZERO);
-                return Ok(Rest::step(seconds, &work));
+                return Ok(step.report(&work));
             }
             let method = &mut workspace.method;
             let attempt = Doubled::of(&settings, scene, state, seconds, method, &mut work);
@@ -222,8 +238,7 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
                     let error = doubled.relative_error();
                     if error <= R::ONE {
                         control.accept(ROOTS, &trial, seconds, error);
-                        workspace.rest =
-                            (workspace.rest).after([state, &doubled.end], seconds, error);
+                        workspace.rest = workspace.rest.after(state, &doubled, error);
                         *state = doubled.end;
                         return Ok(doubled.step);
                     }

@@ -17,9 +17,16 @@
 //!
 //! The error as a displacement is `T a (|δ₃| + b |δ₄|)`. `|δ|` is the velocity of the farthest
 //! point. Friction that opposes the error is taken into account by `damping`, if the error would
-//! otherwise be too large. `dip` adds the contacts that close and open again within one step, and
-//! `estimate` the rotation, whose error does not depend on a force, and the direction of the
-//! correction of touch-downs in a body that rotates within the step.
+//! otherwise be too large. `dip` adds the contacts that close and open again within one step.
+//! `estimate` adds the rotation, whose error does not depend on a force, and the correction of
+//! touch-downs: its direction in a body that rotates within the step, and its path.
+//!
+//! # Second pass of the correction
+//!
+//! The first pass computes the forces of a touch-down from a path to the end that the stages have
+//! found. If the step ends soon after the touch-down, that end is wrong by as much as the contact
+//! has done, and so is the path. [`Nystrom`](crate::Nystrom) leaves it at that. Here a second pass
+//! follows, with a path to the corrected end. What it changes is a measure of what is still wrong.
 //!
 //! # Friction of a contact that hardly slips
 //!
@@ -73,8 +80,8 @@ use estimate::{Attempt, SPAN};
 /// (or its radius of gyration, if that is larger). `δ₃` is the third difference of the forces over
 /// the stages. `δ₄` is the difference between the forces at the end of the step and at its last
 /// stage. Friction reduces both, where it opposes them. The rotation, contacts that close and open
-/// within the step, the direction of corrected forces, and friction that the step has limited add
-/// their parts. [`Step::error_estimate`] is the left side.
+/// within the step, the correction of touch-downs (direction and path), and friction that the step
+/// has limited add their parts. [`Step::error_estimate`] is the left side.
 ///
 /// ```
 /// use tumble::{AdaptiveNystrom, Trial};
@@ -94,10 +101,6 @@ use estimate::{Attempt, SPAN};
 /// - *Error of a run:* see the measured range in [`guide::choosing`](crate::guide::choosing). It is
 ///   the error after a second. After longer times it depends on how the motion amplifies it.
 /// - *May add energy* by the size of its error.
-/// - *Limit: bounces on stiff ground without dampers.* If a long step ends soon after a touch-down,
-///   the correction of the touch-down is inexact, and the estimate does not contain this error.
-///   Single runs end with far more than their tolerance. Use
-///   [`DormandPrince54`](crate::DormandPrince54) there.
 /// - *Spinning on the spot:* where a contact hardly slips and has hardly any friction, the step may
 ///   exceed the limit of stability of its friction, whatever the slip speed. Friction is then
 ///   limited to what is stable. The friction of a round rim is resolved instead, in somewhat more

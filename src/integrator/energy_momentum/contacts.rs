@@ -274,7 +274,8 @@ impl<R: Real> Contacts<R> {
         (end, touching): (&State<R>, usize),
     ) -> bool {
         if self.has_others() {
-            return self.covers_those_at(problem, end);
+            let lacks_rim = !self.with_rim && touches_rim(problem, (end, touching));
+            return !lacks_rim && self.covers_those_at(problem, end);
         }
         let below = |touches: &[Touch<R>]| {
             let ended_below = |touch: &&Touch<R>| touch.push.end_depth > R::ZERO;
@@ -644,6 +645,18 @@ impl<R: Real> Contacts<R> {
         touch.look_back(problem, since, (self.notes > 1).then_some(first));
         touch.continued_answer(problem, jacobian)
     }
+}
+
+/// Returns true if a rim touches the ground at the `end` of a step, with `touching` contacts of all
+/// kinds.
+#[cold]
+#[inline(never)]
+fn touches_rim<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    (end, touching): (&State<R>, usize),
+) -> bool {
+    let scene = problem.scene;
+    problem.has_rims() && touching > scene.contact_model().touching_points(&scene.motion(end))
 }
 
 #[cfg(test)]

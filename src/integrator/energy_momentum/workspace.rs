@@ -3,6 +3,7 @@
 use super::contacts::Contacts;
 use super::touch::Touch;
 use crate::energy::Energy;
+use crate::integrator::interface::Step;
 use crate::real::Real;
 use crate::state::State;
 
@@ -25,8 +26,8 @@ pub(super) struct Memory<R: Real> {
     known: Option<State<R>>,
     /// Energy of that state. A pair of both would be built on the stack and copied.
     energy: Energy<R>,
-    /// Length of a step that has left that state unchanged, s.
-    rest: Option<R>,
+    /// Length of a step that has left that state unchanged, s, and the work of drives in it, J.
+    rest: Option<[R; 2]>,
 }
 
 impl<R: Real, const CONTACTS: usize> Default for Workspace<R, CONTACTS> {
@@ -70,10 +71,12 @@ impl<R: Real, const CONTACTS: usize> Workspace<R, CONTACTS> {
 }
 
 impl<R: Real> Memory<R> {
-    /// Returns true if a step of this length is known to leave this state unchanged.
+    /// Returns the work of drives in a step of this length (J), if it is known to leave this state
+    /// unchanged.
     #[inline]
-    pub(super) fn rests(&self, state: &State<R>, seconds: R) -> bool {
-        self.rest == Some(seconds) && self.energy(state).is_some()
+    pub(super) fn work_at_rest(&self, state: &State<R>, seconds: R) -> Option<R> {
+        let [length, work] = self.rest?;
+        (length == seconds && self.energy(state).is_some()).then_some(work)
     }
 
     /// Energy of this state, if the last step has ended with this state.
@@ -82,11 +85,39 @@ impl<R: Real> Memory<R> {
         (self.known.as_ref()? == state).then_some(self.energy)
     }
 
-    /// Notes the states at the start and at the end of a step, the energy of the end, and the
-    /// length of the step, s.
+    /// Notes the states at the start and at the end of a step, the energy of the end, and the step.
     #[inline]
-    pub(super) fn note(&mut self, [start, end]: [&State<R>; 2], energy: &Energy<R>, seconds: R) {
+    pub(super) fn note(
+        &mut self,
+        [start, end]: [&State<R>; 2],
+        energy: &Energy<R>,
+        step: &Step<R>,
+    ) {
         (self.known, self.energy) = (Some(*end), *energy);
-        self.rest = (end == start).then_some(seconds);
+        self.rest = (end == start).then_some([step.elapsed, step.drive_work]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A drive may do work on a body that it does not move. A new workspace would report that work.
+    #[test]
+    fn a_step_at_rest_has_the_work_of_its_drives() {
+        let mut workspace = Workspace::<f64, 1>::new();
+        let memory = &mut workspace.memory;
+        let (state, energy) = (State::default(), memory.energy);
+        let step = Step {
+            drive_work: 0.25,
+            ..Step::new(0.5, 0)
+        };
+        memory.note([&state, &state], &energy, &step);
+        assert_eq!(memory.work_at_rest(&state, 0.5), Some(0.25));
+        assert_eq!(memory.work_at_rest(&state, 1.0), None);
+        let mut moved = state;
+        moved.position.x = 1.0;
+        memory.note([&state, &moved], &energy, &step);
+        assert_eq!(memory.work_at_rest(&moved, 0.5), None);
     }
 }

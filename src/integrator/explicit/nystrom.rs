@@ -31,6 +31,8 @@
 //! `Δp = Δp_B D(0) + (Δp - Δp_B) D(1)`. This follows from `B_i = b_i (1 - c_i)`, and `Δp_B` is the
 //! part that corrects the pose. The remaining error is the effect of one stage on the next. It is
 //! smaller by one power of the step size, hence order 2.
+//!
+//! With an estimate there is a second pass, with paths to the corrected end (`adaptive::nystrom`).
 
 mod crossing;
 mod lanes;
@@ -185,6 +187,8 @@ pub(in crate::integrator) struct Taken<R: Real> {
     pub(in crate::integrator) last: [R::Vec3; 2],
     /// Mean acceleration and torque by which the correction has changed the step.
     pub(in crate::integrator) correction: [R::Vec3; 2],
+    /// Change of that correction by its second pass. Zero without one.
+    pub(in crate::integrator) correction_change: [R::Vec3; 2],
     /// Third difference of acceleration and torque over the stages, without the contacts that the
     /// correction replaces. Zero if it is not wanted.
     pub(in crate::integrator) third_difference: [R::Vec3; 2],
@@ -213,18 +217,18 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
             },
             |free, point, seconds| free_orientation::<_, _, ESTIMATED>(free, point, seconds),
         );
-        let (end, [correction, replaced]) =
+        let corrected =
             crossing::corrected::<_, _, ESTIMATED>(scene, &SeenStages::at(stages), end, seconds);
         let [.., fourth] = stages;
+        let inverse_mass = scene.inertia_properties().inverse_mass();
+        let rates = |load: &Load<R>| [load.force * inverse_mass, load.torque];
         Taken {
-            end,
+            end: corrected.end,
             last: [fourth.acceleration, fourth.torque],
-            correction: [
-                correction.force * scene.inertia_properties().inverse_mass(),
-                correction.torque,
-            ],
+            correction: rates(&corrected.correction),
+            correction_change: rates(&corrected.change),
             third_difference: if ESTIMATED {
-                third_difference(scene, stages, &replaced)
+                third_difference(scene, stages, &corrected.third_difference)
             } else {
                 [R::Vec3::ZERO; 2]
             },

@@ -15,7 +15,7 @@ use crate::body::{ContactPoint, RigidPointBody};
 use crate::contact::Motion;
 use crate::friction::SlidingFriction;
 use crate::integrator::adaptive::{bounce, edge};
-use crate::integrator::contact_path::{ContactEnd, Path, arm, push, slip};
+use crate::integrator::contact_path::{ContactEnd, Path, arm, path_error, push, slip};
 use crate::integrator::point::Point;
 use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
@@ -69,6 +69,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
     let mut discontinuities = Discontinuities::none();
     let contacts = scene.body().contacts();
     let margin = bounce::reach(scene, [&start.motion, &attempt.end.motion], seconds);
+    let path_error = path_error(scene, [&start.motion, &attempt.end.motion], seconds);
     let gained = Cell::new(None);
     let ends = [&start.point, &attempt.end.point];
     let energy_gained = || bounce::once(&gained, || bounce::energy_gained(scene, ends));
@@ -93,6 +94,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             to_discontinuity,
             allowed,
             may_pass: smooth <= allowed,
+            path_error,
             energy_gained: &energy_gained,
         };
         let added = after.without(before, contacts.len());
@@ -119,6 +121,8 @@ pub(super) struct AttemptedStep<'a, R: Real, D> {
     allowed: R,
     /// Whether the error estimate of the step without discontinuities is allowed.
     may_pass: bool,
+    /// Error of the path of a contact, m.
+    path_error: R,
     /// Energy that the step has gained, J.
     energy_gained: &'a dyn Fn() -> R,
 }
@@ -166,6 +170,9 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
             Some(R::ONE)
         } else if path.turns_under_ground() || opens {
             Some(path.turn())
+        } else if let Some(depth) = path.greatest_depth(self.path_error) {
+            discontinuities.velocity += self.near_miss_error(point, depth);
+            return pushes;
         } else if self.meets(&start, R::ONE) || self.meets(&end, R::from_f64(tuning::STAGES_AHEAD))
         {
             None
@@ -325,6 +332,14 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
             velocity,
             first: matters.then(|| self.just_beyond(&jump)),
         }
+    }
+
+    /// Returns the velocity error of a contact whose path turns above ground, but so near to it that
+    /// the contact may reach this `depth` (m).
+    #[inline(never)]
+    fn near_miss_error(&self, point: &ContactPoint<R>, depth: R) -> R {
+        let impulse = push(self.scene, depth, R::ZERO) * self.seconds;
+        impulse * mobility(self.scene, point, self.ends[1])
     }
 
     /// Returns the impulse with which a contact that parts within the step has pushed too much,

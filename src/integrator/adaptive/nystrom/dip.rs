@@ -8,7 +8,7 @@ use core::cell::Cell;
 use crate::body::RigidPointBody;
 use crate::contact::Motion;
 use crate::integrator::adaptive::{bounce, edge};
-use crate::integrator::contact_path::{ContactView, Path, push};
+use crate::integrator::contact_path::{ContactView, Path, path_error, push};
 use crate::integrator::point::Point;
 use crate::real::Real;
 use crate::scene::{Dynamics, OnSurface};
@@ -31,7 +31,8 @@ pub(super) fn missed<R: Real, D: Dynamics<R>>(
     let energy_gained = || bounce::once(&gained, || bounce::energy_gained(scene, points));
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
-        let (of_contacts, touches) = missed_on(&scene, ends, (seconds, margin), &energy_gained);
+        let distances = [margin, path_error(&scene, ends, seconds)];
+        let (of_contacts, touches) = missed_on(&scene, ends, (seconds, distances), &energy_gained);
         impulse += of_contacts;
         if let Some(brush) = edge::brush(&scene, points, (ends, touches), seconds) {
             impulse += brush.force * seconds;
@@ -41,11 +42,13 @@ pub(super) fn missed<R: Real, D: Dynamics<R>>(
 }
 
 /// Impulse of such contacts on one surface, N s, and whether the body touches it at both ends.
+///
+/// The distances are that within which contacts count as near, and the error of their paths.
 #[inline]
 fn missed_on<R: Real, D: Dynamics<R>>(
     scene: &D,
     ends: [&Motion<R>; 2],
-    (seconds, margin): (R, R),
+    (seconds, [margin, path_error]): (R, [R; 2]),
     energy_gained: &dyn Fn() -> R,
 ) -> (R, [bool; 2]) {
     let contacts = scene.body().contacts();
@@ -67,8 +70,7 @@ fn missed_on<R: Real, D: Dynamics<R>>(
                 continue;
             }
             let path = Path::between(&start, &end, seconds);
-            if path.turns_under_ground() {
-                let (depth, _) = path.at(path.turn());
+            if let Some(depth) = path.greatest_depth(path_error) {
                 force += push(scene, depth, R::ZERO);
             }
             let meets = start.depth + start.closing_speed * seconds > R::ZERO;

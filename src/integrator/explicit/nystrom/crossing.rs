@@ -12,32 +12,89 @@ use crate::real::{Real, Vector};
 use crate::rotation::Axes;
 use crate::scene::{Dynamics, OnSurface};
 
+/// End of a step, corrected for the error of its stages.
+pub(super) struct Corrected<R: Real> {
+    pub(super) end: Point<R>,
+    /// Correction of the mean load of the step.
+    pub(super) correction: Load<R>,
+    /// Change of the correction by its second pass, with `ESTIMATED`.
+    pub(super) change: Load<R>,
+    /// What the corrected contacts contribute to the [`THIRD_DIFFERENCE`] of the loads, with
+    /// `ESTIMATED`.
+    pub(super) third_difference: Load<R>,
+}
+
+impl<R: Real> Corrected<R> {
+    /// The end without a correction.
+    #[inline(always)]
+    fn none(end: Point<R>) -> Self {
+        Self {
+            end,
+            correction: Load::default(),
+            change: Load::default(),
+            third_difference: Load::default(),
+        }
+    }
+}
+
 /// Returns the `end` of a step, corrected for the error of its stages.
 ///
-/// The two loads are the correction of the mean load of the step, and what the corrected
-/// contacts contribute to the [`THIRD_DIFFERENCE`] of the loads, with `ESTIMATED`.
+/// With `ESTIMATED` there is a second pass, whose paths lead to the end that the first has
+/// corrected. Its change tells how inexact the correction is.
 #[inline(always)]
 pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     scene: &D,
     stages: &SeenStages<'_, R>,
     end: Point<R>,
     seconds: R,
-) -> (Point<R>, [Load<R>; 2]) {
+) -> Corrected<R> {
     if stages.ranges.iter().all(|range| range.count == 0) {
-        return (end, [Load::default(); 2]);
+        return Corrected::none(end);
     }
     // A step as short as this moves nothing, and rounding of a penetration depth would give an
     // infinite speed.
     if !(R::ONE / seconds).is_finite() {
-        return (end, [Load::default(); 2]);
+        return Corrected::none(end);
     }
     let motion = end.motion(scene);
     let missed = missed::<_, _, ESTIMATED>(scene, stages, &motion, seconds);
     if missed.speeds.touching == 0 {
-        return (end, [Load::default(); 2]);
+        return Corrected::none(end);
     }
-    let end = missed.added_to(end, scene, &motion.axes, seconds);
-    (end, [missed.speeds, missed.third_difference])
+    let first = Corrected {
+        end: missed.added_to(end, scene, &motion.axes, seconds),
+        correction: missed.speeds,
+        change: Load::default(),
+        third_difference: missed.third_difference,
+    };
+    if ESTIMATED {
+        second_pass(scene, stages, end, (&first, seconds))
+    } else {
+        first
+    }
+}
+
+/// Corrects the `end` of a step again, by the paths to the end that the first pass has corrected.
+#[inline(never)]
+fn second_pass<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    stages: &SeenStages<'_, R>,
+    end: Point<R>,
+    (first, seconds): (&Corrected<R>, R),
+) -> Corrected<R> {
+    let motion = first.end.motion(scene);
+    let missed = missed::<_, _, true>(scene, stages, &motion, seconds);
+    let (speeds, before) = (missed.speeds, first.correction);
+    Corrected {
+        end: missed.added_to(end, scene, &motion.axes, seconds),
+        correction: speeds,
+        change: Load {
+            force: speeds.force - before.force,
+            torque: speeds.torque - before.torque,
+            touching: speeds.touching,
+        },
+        third_difference: missed.third_difference,
+    }
 }
 
 /// What the correction sees of the stages.
