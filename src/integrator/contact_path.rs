@@ -264,8 +264,8 @@ impl<R: Real> Path<R> {
         (below + above) * R::HALF
     }
 
-    /// Returns the fraction of greatest or least depth on a path whose ends have slopes of different
-    /// signs.
+    /// Returns the fraction of greatest or least depth on a path whose ends have slopes of
+    /// different signs.
     ///
     /// The slope `m₀ + 2 b s + 3 c s²` has one zero between the ends. The root is taken without
     /// cancellation.
@@ -290,8 +290,8 @@ impl<R: Real> Path<R> {
         self.greatest_depth(R::ZERO).is_some()
     }
 
-    /// Returns the greatest depth that a path may reach with both ends above ground, m, or `None` if
-    /// it stays above.
+    /// Returns the greatest depth that a path may reach with both ends above ground, m, or `None`
+    /// if it stays above.
     ///
     /// The path is known within this `error` (m) in its middle. At the fraction `s` it is known
     /// within `16 s² (1 - s)²` of that.

@@ -163,9 +163,9 @@ fn tumbled(height: f64, spin: DVec3, integrator: impl Integrator) -> DVec3 {
     state.world_point(DVec3::X * 0.1)
 }
 
-/// The path of a contact is known within the fourth power of the angle of a step. A corner that dips
-/// in a long step in flight was missed where the path passed just above ground: 18 to 830 tolerances
-/// for single heights.
+/// The path of a contact is known within the fourth power of the angle of a step. A corner that
+/// dips in a long step in flight was missed where the path passed just above ground: 18 to 830
+/// tolerances for single heights.
 #[test]
 fn a_dip_of_a_corner_in_a_long_flight_is_seen() {
     for spin in [DVec3::new(1.0, -2.0, 0.5), DVec3::new(-6.0, 3.0, 9.0)] {

@@ -334,8 +334,8 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         }
     }
 
-    /// Returns the velocity error of a contact whose path turns above ground, but so near to it that
-    /// the contact may reach this `depth` (m).
+    /// Returns the velocity error of a contact whose path turns above ground, but so near to it
+    /// that the contact may reach this `depth` (m).
     #[inline(never)]
     fn near_miss_error(&self, point: &ContactPoint<R>, depth: R) -> R {
         let impulse = push(self.scene, depth, R::ZERO) * self.seconds;
