@@ -187,3 +187,39 @@ fn a_dip_of_a_corner_in_a_long_flight_is_seen() {
         }
     }
 }
+
+/// Upward speed (m/s) 1 s after a point mass of 1 kg has approached elastic ground at a `speed`
+/// (m/s), from a distance of 0.3 s and without gravity.
+fn bounced_slowly(stiffness: f64, speed: f64, integrator: impl Integrator) -> f64 {
+    let stepper = Stepper::new(point_mass(1.0))
+        .and_then(|stepper| stepper.with_ground(FlatGround::level(stiffness, 0.0)))
+        .and_then(|stepper| stepper.with_integrator(Once(integrator)))
+        .unwrap();
+    let start = State::at(DVec3::Z * (0.3 * speed));
+    let mut state = start.with_linear_velocity(DVec3::Z * -speed);
+    stepper.advance(&mut state, 1.0).unwrap();
+    state.linear_velocity.z
+}
+
+/// The limit that both methods state. The largest errors are those of bounces which are shorter than
+/// a step and less deep than the tolerance.
+#[test]
+fn the_speed_after_a_slow_bounce_is_wrong_by_at_most_the_stated_limit() {
+    let mut largest = [0.0_f64; 2];
+    for stiffness in [1e3, 1e4, 1e5, 1e6, 1e7] {
+        for number in 0..150 {
+            let speed = 1e-3 * 10.0_f64.powf(f64::from(number) / 50.0);
+            for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
+                let ends = [
+                    bounced_slowly(stiffness, speed, DormandPrince54::new(tolerance)),
+                    bounced_slowly(stiffness, speed, AdaptiveNystrom::new(tolerance)),
+                ];
+                for (largest, end) in largest.iter_mut().zip(ends) {
+                    *largest = largest.max((end - speed).abs() / tolerance);
+                }
+            }
+        }
+    }
+    println!("DormandPrince54, AdaptiveNystrom: {largest:.1?} tolerances in a second");
+    assert!(largest.iter().all(|&error| error <= 40.0), "{largest:?}");
+}

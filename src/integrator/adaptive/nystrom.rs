@@ -101,6 +101,9 @@ use estimate::{Attempt, SPAN};
 /// - *Error of a run:* see the measured range in [`guide::choosing`](crate::guide::choosing). It is
 ///   the error after a second. After longer times it depends on how the motion amplifies it.
 /// - *May add energy* by the size of its error.
+/// - *Bounces without dampers*, at a tolerance far above the depth of the contact: a step may
+///   contain the whole contact. The speed after a slow bounce can then be wrong by up to 40
+///   tolerances in a second, as with [`DormandPrince54`](crate::DormandPrince54).
 /// - *Spinning on the spot:* where a contact hardly slips and has hardly any friction, the step may
 ///   exceed the limit of stability of its friction, whatever the slip speed. Friction is then
 ///   limited to what is stable. The friction of a round rim is resolved instead, in somewhat more

@@ -102,6 +102,17 @@ impl<R: Real> Memory<R> {
 mod tests {
     use super::*;
 
+    /// The page of `CompactEnergyMomentum` states these sizes.
+    #[cfg(target_pointer_width = "64")]
+    #[test]
+    fn the_memory_of_a_workspace_is_as_stated() {
+        let single = [size_of::<Workspace<f32, 12>>(), size_of::<Workspace<f32>>()];
+        let double = [size_of::<Workspace<f64, 12>>(), size_of::<Workspace<f64>>()];
+        let tenths_of_kilobytes = |bytes: usize| (bytes + 50) / 100;
+        assert_eq!(single.map(tenths_of_kilobytes), [24, 215]);
+        assert_eq!(double.map(tenths_of_kilobytes), [47, 427]);
+    }
+
     /// A drive may do work on a body that it does not move. A new workspace would report that work.
     #[test]
     fn a_step_at_rest_has_the_work_of_its_drives() {
