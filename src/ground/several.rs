@@ -174,6 +174,7 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for [G] {
     fn surfaces(&self) -> Option<usize> {
         Some(self.iter().map(count_of).sum())
     }
+    #[inline]
     fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
         let mut index = index;
         for part in self {
@@ -200,6 +201,7 @@ impl<R: Real, G: SpringDamperGround<R>, const N: usize> SpringDamperGround<R> fo
     fn surfaces(&self) -> Option<usize> {
         self.as_slice().surfaces()
     }
+    #[inline]
     fn with_surface(&self, index: usize, visit: &mut dyn FnMut(&dyn SpringDamperGround<R>)) {
         self.as_slice().with_surface(index, visit);
     }
@@ -221,6 +223,7 @@ macro_rules! of_tuple {
             fn surfaces(&self) -> Option<usize> {
                 Some(0 $(+ count_of(&self.$place))*)
             }
+            #[inline]
             fn with_surface(
                 &self,
                 index: usize,

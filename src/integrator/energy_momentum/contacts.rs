@@ -274,7 +274,8 @@ impl<R: Real> Contacts<R> {
         (end, touching): (&State<R>, usize),
     ) -> bool {
         if self.has_others() {
-            let lacks_rim = !self.with_rim && touches_rim(problem, (end, touching));
+            let may_lack_rim = problem.has_rims() && !self.with_rim;
+            let lacks_rim = may_lack_rim && touching > own_touching(problem, end);
             return !lacks_rim && self.covers_those_at(problem, end);
         }
         let below = |touches: &[Touch<R>]| {
@@ -285,10 +286,9 @@ impl<R: Real> Contacts<R> {
             return touching <= below(self.stored());
         }
         // A rim is collected as a whole. Only contacts of the body itself can be missing.
-        let scene = problem.scene;
-        scene.body().contacts().is_empty() || {
+        problem.scene.body().contacts().is_empty() || {
             let fixed = self.touches.get(..self.fixed).unwrap_or_default();
-            scene.contact_model().touching_points(&scene.motion(end)) <= below(fixed)
+            own_touching(problem, end) <= below(fixed)
         }
     }
 
@@ -647,16 +647,12 @@ impl<R: Real> Contacts<R> {
     }
 }
 
-/// Returns true if a rim touches the ground at the `end` of a step, with `touching` contacts of all
-/// kinds.
+/// Number of contacts of the body itself, not of its rims, that touch at the `end` of a step.
 #[cold]
 #[inline(never)]
-fn touches_rim<R: Real, D: Dynamics<R>>(
-    problem: &Problem<'_, R, D>,
-    (end, touching): (&State<R>, usize),
-) -> bool {
+fn own_touching<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>, end: &State<R>) -> usize {
     let scene = problem.scene;
-    problem.has_rims() && touching > scene.contact_model().touching_points(&scene.motion(end))
+    scene.contact_model().touching_points(&scene.motion(end))
 }
 
 #[cfg(test)]
