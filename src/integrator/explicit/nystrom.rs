@@ -187,7 +187,7 @@ pub(in crate::integrator) struct Taken<R: Real> {
     pub(in crate::integrator) last: [R::Vec3; 2],
     /// Mean acceleration and torque by which the correction has changed the step.
     pub(in crate::integrator) correction: [R::Vec3; 2],
-    /// Change of that correction by its second pass. Zero without one.
+    /// Change of that correction by its last pass.
     pub(in crate::integrator) correction_change: [R::Vec3; 2],
     /// Third difference of acceleration and torque over the stages, without the contacts that the
     /// correction replaces. Zero if it is not wanted.

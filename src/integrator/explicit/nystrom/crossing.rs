@@ -17,24 +17,11 @@ pub(super) struct Corrected<R: Real> {
     pub(super) end: Point<R>,
     /// Correction of the mean load of the step.
     pub(super) correction: Load<R>,
-    /// Change of the correction by its second pass, with `ESTIMATED`.
+    /// Change of the correction by its last pass.
     pub(super) change: Load<R>,
     /// What the corrected contacts contribute to the [`THIRD_DIFFERENCE`] of the loads, with
     /// `ESTIMATED`.
     pub(super) third_difference: Load<R>,
-}
-
-impl<R: Real> Corrected<R> {
-    /// The end without a correction.
-    #[inline(always)]
-    fn none(end: Point<R>) -> Self {
-        Self {
-            end,
-            correction: Load::default(),
-            change: Load::default(),
-            third_difference: Load::default(),
-        }
-    }
 }
 
 /// Returns the `end` of a step, corrected for the error of its stages.
@@ -48,53 +35,40 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     end: Point<R>,
     seconds: R,
 ) -> Corrected<R> {
+    let mut corrected = Corrected {
+        end,
+        correction: Load::default(),
+        change: Load::default(),
+        third_difference: Load::default(),
+    };
     if stages.ranges.iter().all(|range| range.count == 0) {
-        return Corrected::none(end);
+        return corrected;
     }
     // A step as short as this moves nothing, and rounding of a penetration depth would give an
     // infinite speed.
     if !(R::ONE / seconds).is_finite() {
-        return Corrected::none(end);
+        return corrected;
     }
-    let motion = end.motion(scene);
-    let missed = missed::<_, _, ESTIMATED>(scene, stages, &motion, seconds);
-    if missed.speeds.touching == 0 {
-        return Corrected::none(end);
+    let passes = if ESTIMATED { 2 } else { 1 };
+    for pass in 0..passes {
+        let motion = corrected.end.motion(scene);
+        let missed = missed::<_, _, ESTIMATED>(scene, stages, &motion, seconds);
+        if pass == 0 && missed.speeds.touching == 0 {
+            break;
+        }
+        let before = corrected.correction;
+        corrected = Corrected {
+            end: missed.added_to(end, scene, &motion.axes, seconds),
+            correction: missed.speeds,
+            change: Load {
+                force: missed.speeds.force - before.force,
+                torque: missed.speeds.torque - before.torque,
+                touching: missed.speeds.touching,
+            },
+            third_difference: missed.third_difference,
+        };
     }
-    let first = Corrected {
-        end: missed.added_to(end, scene, &motion.axes, seconds),
-        correction: missed.speeds,
-        change: Load::default(),
-        third_difference: missed.third_difference,
-    };
-    if ESTIMATED {
-        second_pass(scene, stages, end, (&first, seconds))
-    } else {
-        first
-    }
-}
-
-/// Corrects the `end` of a step again, by the paths to the end that the first pass has corrected.
-#[inline(never)]
-fn second_pass<R: Real, D: Dynamics<R>>(
-    scene: &D,
-    stages: &SeenStages<'_, R>,
-    end: Point<R>,
-    (first, seconds): (&Corrected<R>, R),
-) -> Corrected<R> {
-    let motion = first.end.motion(scene);
-    let missed = missed::<_, _, true>(scene, stages, &motion, seconds);
-    let (speeds, before) = (missed.speeds, first.correction);
-    Corrected {
-        end: missed.added_to(end, scene, &motion.axes, seconds),
-        correction: speeds,
-        change: Load {
-            force: speeds.force - before.force,
-            torque: speeds.torque - before.torque,
-            touching: speeds.touching,
-        },
-        third_difference: missed.third_difference,
-    }
+    corrected
 }
 
 /// What the correction sees of the stages.
