@@ -172,7 +172,7 @@ where
     /// It is compiled once for all visitors. A call for each quadrature point costs far less than
     /// the point itself.
     #[inline(never)]
-    pub(super) fn visit_rims(&self, motion: &Motion<R>, visit: &mut dyn FnMut(&Contact<R>)) {
+    pub(crate) fn visit_rims(&self, motion: &Motion<R>, visit: &mut dyn FnMut(&Contact<R>)) {
         let motion = &self.seen(motion);
         for surface in 0..self.surfaces() {
             let laws = self.laws_of(surface);

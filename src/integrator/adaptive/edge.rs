@@ -1,15 +1,16 @@
 //! Contacts that close and open again within one step at an edge, on a curve of the ground, or on a
-//! round rim.
+//! round rim, and rims that begin or cease to touch within one.
 //!
 //! The gaps at both ends of such a step belong to different parts of the ground or of the rim, so
 //! that no interpolation between them shows the contact. Here the ground is evaluated on the path.
 //! A gap changes by at most the path of the body, so that a body with the gap `g` stays above the
 //! ground while no point of it has moved by `g`. The path is searched in parts of this length.
 
+use crate::body::RigidPointBody;
 use crate::contact::Motion;
 use crate::integrator::contact_path::push;
 use crate::integrator::point::Point;
-use crate::quadrature::bisect;
+use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
 use crate::scene::{Dynamics, size};
 
@@ -21,6 +22,14 @@ const SHORTEST: f64 = 1.0 / 64.0;
 const SHORTEST_IN_TOUCH: f64 = 1.0 / 16.0;
 /// Bisections to locate the touch-down, down to 2^-14 of the step.
 const HALVINGS: u32 = 10;
+
+/// Factor between the depths at both ends of a step up to which the force of a rim is smooth in
+/// between. Then the forces differ by a factor of 4 at most.
+const ALIKE: f64 = 2.5;
+/// Bisections to locate where a rim begins or ceases to touch: a 64th of the step.
+const RIM_HALVINGS: u32 = 6;
+/// Parts in which the force of the rims is integrated.
+const RIM_PARTS: u32 = 4;
 
 /// A contact that begins and ends within a step.
 pub(super) struct Brush<R> {
@@ -54,6 +63,32 @@ pub(super) fn brush<R: Real, D: Dynamics<R>>(
         path: fastest(scene, motions) * seconds,
     }
     .first(touches)
+}
+
+/// Returns the error of the mean normal force of the rims (N) in a step within which they begin or
+/// cease to touch one surface, or nearly so.
+///
+/// The force of a rim is proportional to the power 3/2 of its depth, and with a damper to the root
+/// of it at first. A step sums such a force badly, and its own estimate may be small by chance. So
+/// the force on the path between both ends is compared with that of the `stages`, which are given
+/// with their weights.
+#[inline]
+pub(super) fn rim_error<'m, R: Real, D: Dynamics<R>>(
+    scene: &D,
+    points: [&Point<R>; 2],
+    motions: [&Motion<R>; 2],
+    stages: impl Iterator<Item = (&'m Motion<R>, R)>,
+    seconds: R,
+) -> R {
+    let path = R::ZERO;
+    Search {
+        scene,
+        points,
+        motions,
+        seconds,
+        path,
+    }
+    .rim_error(stages)
 }
 
 /// Largest speed of a point of the body at the ends of a step, m/s.
@@ -123,6 +158,62 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
         })
     }
 
+    /// Error of the mean normal force of the rims, N.
+    fn rim_error<'m>(&self, stages: impl Iterator<Item = (&'m Motion<R>, R)>) -> R {
+        if self.depths_are_alike() {
+            return R::ZERO;
+        }
+        let ends = self.motions.map(|motion| self.rim_force(motion));
+        if ends == [R::ZERO; 2] {
+            return R::ZERO;
+        }
+        let mut taken = R::ZERO;
+        for (motion, weight) in stages {
+            taken += self.rim_force(motion) * weight;
+        }
+        (self.mean_rim_force(ends) - taken).abs()
+    }
+
+    /// Returns true if a body of rims alone is above the ground at both ends, or touches at both
+    /// with depths so alike that the force is smooth in between.
+    fn depths_are_alike(&self) -> bool {
+        let [start, end] = self.motions.map(|motion| {
+            let depth = -self.gap_of(motion);
+            depth.at_least(R::ZERO)
+        });
+        let alike = start.at_most(end) * R::from_f64(ALIKE) >= start.at_least(end);
+        alike && self.scene.body().contacts().is_empty()
+    }
+
+    /// Normal force of the rims, N.
+    fn rim_force(&self, motion: &Motion<R>) -> R {
+        let mut force = R::ZERO;
+        let model = self.scene.contact_model();
+        model.visit_rims(motion, &mut |contact| {
+            force += push(self.scene, contact.depth, contact.closing_speed) * contact.weight;
+        });
+        force
+    }
+
+    /// Mean normal force of the rims on the path, N, which have these forces at its ends.
+    fn mean_rim_force(&self, ends: [R; 2]) -> R {
+        let force = |share| self.rim_force(&self.motion(share));
+        let [first, last] = ends.map(|force| force > R::ZERO);
+        let [mut from, mut to] = [R::ZERO, R::ONE];
+        if first != last {
+            let has_changed = |share| (force(share) > R::ZERO) != first;
+            let [before, after] = bisect([from, to], RIM_HALVINGS, has_changed);
+            (from, to) = if first { (from, after) } else { (before, to) };
+        }
+        let length = (to - from) * R::from_f64(1.0 / f64::from(RIM_PARTS));
+        let mut sum = R::ZERO;
+        for part in 0..RIM_PARTS {
+            let first = from + length * R::from_f64(f64::from(part));
+            sum += integral_of_3(force, first, first + length);
+        }
+        sum
+    }
+
     /// Force of the springs at a fraction of the step, N.
     fn force_at(&self, share: R) -> R {
         let mut force = R::ZERO;
@@ -153,8 +244,8 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
         self.gap_of(&self.motion(share))
     }
 
-    /// Pose at a fraction of the step, by Hermite's cubic of position and quaternion. The
-    /// velocities are those of the start.
+    /// Motion at a fraction of the step: the pose by Hermite's cubic of position and quaternion,
+    /// and velocities that change evenly.
     fn motion(&self, share: R) -> Motion<R> {
         let ([start, end], [first, last]) = (self.points, self.motions);
         let left = R::ONE - share;
@@ -174,7 +265,8 @@ impl<R: Real, D: Dynamics<R>> Search<'_, R, D> {
                 + first.linear_velocity * by_start
                 + last.linear_velocity * by_end,
             axes: orientation.normalised().axes(),
-            ..*first
+            linear_velocity: first.linear_velocity * left + last.linear_velocity * share,
+            angular_velocity: first.angular_velocity * left + last.angular_velocity * share,
         }
     }
 }

@@ -103,6 +103,9 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         let touches = step.add_contacts(near, &mut discontinuities);
         if smooth + discontinuities.velocity <= allowed {
             step.add_brush(ends, touches, &mut discontinuities);
+            if scene.contact_model().has_rims() {
+                step.add_rims(ends, &mut discontinuities);
+            }
         }
     }
     discontinuities
@@ -181,6 +184,16 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         };
         discontinuities.add(&self.contact_error(point, &path, &[start, end], last));
         pushes
+    }
+
+    /// Adds the rims that begin or cease to touch.
+    #[inline(never)]
+    fn add_rims(&self, ends: [&Point<R>; 2], discontinuities: &mut Discontinuities<R>) {
+        let stages = self.weighted_motions();
+        let error = edge::rim_error(self.scene, ends, self.ends, stages, self.seconds);
+        let mobility = bounce::mobility(self.scene);
+        discontinuities.velocity +=
+            error * self.seconds * mobility * R::from_f64(tuning::ERROR_WEIGHT);
     }
 
     /// Adds a contact that only the path between both ends shows.
