@@ -254,8 +254,8 @@ fn bounced_slowly(stiffness: f64, speed: f64, integrator: impl Integrator) -> f6
     state.linear_velocity.z
 }
 
-/// The limit that both methods state. The largest errors are those of bounces which are shorter than
-/// a step and less deep than the tolerance.
+/// The limit that both methods state. The largest errors are those of bounces which are shorter
+/// than a step and less deep than the tolerance.
 #[test]
 fn the_speed_after_a_slow_bounce_is_wrong_by_at_most_the_stated_limit() {
     let mut largest = [0.0_f64; 2];

@@ -24,7 +24,8 @@ const SHORTEST_IN_TOUCH: f64 = 1.0 / 16.0;
 const HALVINGS: u32 = 10;
 
 /// Factor between the depths at both ends of a step up to which the force of a rim is smooth in
-/// between. Then the forces differ by a factor of 4 at most.
+/// between. The forces of its springs then differ by a factor of 4 at most. Neither this value nor
+/// the next two were compared with others.
 const ALIKE: f64 = 2.5;
 /// Bisections to locate where a rim begins or ceases to touch: a 64th of the step.
 const RIM_HALVINGS: u32 = 6;
