@@ -100,13 +100,7 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         let added = after.without(before, contacts.len());
         let near = ([before].into_iter().chain(added))
             .flat_map(|range| range.parts(contacts).into_iter().flatten());
-        let touches = step.add_contacts(near, &mut discontinuities);
-        if smooth + discontinuities.velocity <= allowed {
-            step.add_brush(ends, touches, &mut discontinuities);
-            if scene.contact_model().has_rims() {
-                step.add_rims(ends, &mut discontinuities);
-            }
-        }
+        step.add_surface(near, (ends, smooth), &mut discontinuities);
     }
     discontinuities
 }
@@ -131,6 +125,24 @@ pub(super) struct AttemptedStep<'a, R: Real, D> {
 }
 
 impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
+    /// Adds the errors of the contacts `near` a surface. Adds those of edges and rims that meet it
+    /// between both ends, if the step may still be accepted.
+    #[inline(always)]
+    fn add_surface<'c>(
+        &self,
+        near: impl Iterator<Item = &'c ContactPoint<R>>,
+        (ends, smooth): ([&Point<R>; 2], R),
+        discontinuities: &mut Discontinuities<R>,
+    ) {
+        let touches = self.add_contacts(near, discontinuities);
+        if smooth + discontinuities.velocity <= self.allowed {
+            self.add_brush(ends, touches, discontinuities);
+            if self.scene.contact_model().has_rims() {
+                self.add_rims(ends, discontinuities);
+            }
+        }
+    }
+
     /// Adds the errors of contacts. Returns whether any of them pushes at each end of the step.
     #[inline]
     fn add_contacts<'c>(
