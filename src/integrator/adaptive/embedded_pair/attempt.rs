@@ -94,11 +94,11 @@ impl<R: Real, const STAGES: usize> Formula<R, STAGES> for Pair<STAGES> {
         report.evaluations += u32::try_from(STAGES).unwrap_or(u32::MAX) - 1;
         // Compiled for each kind of load, because the stages of an explicit step cost little more
         // than their loads.
-        Some(if planned.to_discontinuity {
+        if planned.to_discontinuity {
             attempt_under(self, planned, |motion| planned.load_before(motion))
         } else {
             attempt_under(self, planned, |motion| planned.load_of_all(motion))
-        })
+        }
     }
 }
 
@@ -238,12 +238,12 @@ impl<R: Real> LeftOut<R> {
     }
 }
 
-#[inline(always)]
+#[inline(never)]
 fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
     pair: &Pair<STAGES>,
     planned: &Planned<'_, R, D>,
     load: impl Fn(&Motion<R>) -> Load<R>,
-) -> Attempt<R, STAGES> {
+) -> Option<Attempt<R, STAGES>> {
     let Planned {
         scene,
         start,
@@ -267,12 +267,12 @@ fn attempt_under<R: Real, D: Dynamics<R>, const STAGES: usize>(
             *motion = end.motion;
         }
     }
-    Attempt {
+    Some(Attempt {
         end,
         motions,
         difference: difference(&slopes, pair, seconds),
         left_out,
-    }
+    })
 }
 
 /// Returns the difference between the results of the two orders.

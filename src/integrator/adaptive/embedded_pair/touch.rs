@@ -11,11 +11,11 @@ use core::cell::Cell;
 use super::attempt::{Attempt, Pair, Place, Planned};
 use super::late::comes_late;
 use super::tuning;
-use crate::body::{ContactPoint, RigidPointBody};
+use crate::body::{ContactPoint, ContactRange, RigidPointBody};
 use crate::contact::Motion;
 use crate::friction::SlidingFriction;
 use crate::integrator::adaptive::{bounce, edge};
-use crate::integrator::contact_path::{ContactEnd, Path, arm, path_error, push, slip};
+use crate::integrator::contact_path::{ContactEnd, ContactView, Path, arm, path_error, push, slip};
 use crate::integrator::point::Point;
 use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
@@ -84,12 +84,15 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         if smooth > allowed && before.count.saturating_add(after.count) > tuning::MANY_CONTACTS {
             continue;
         }
+        let motions = [&start.motion, &attempt.end.motion];
+        let scene = &OnSurface::of(scene, surface);
         let step = AttemptedStep {
             weights: pair.weights(),
             follows_slip: pair.follows_slip,
-            scene: &OnSurface::of(scene, surface),
+            scene,
             motions: &attempt.motions,
-            ends: [&start.motion, &attempt.end.motion],
+            ends: motions,
+            views: motions.map(|motion| ContactView::of(scene, motion)),
             seconds,
             to_discontinuity,
             allowed,
@@ -97,10 +100,8 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
             path_error,
             energy_gained: &energy_gained,
         };
-        let added = after.without(before, contacts.len());
-        let near = ([before].into_iter().chain(added))
-            .flat_map(|range| range.parts(contacts).into_iter().flatten());
-        step.add_surface(near, (ends, smooth), &mut discontinuities);
+        let [head, tail] = after.without(before, contacts.len());
+        step.add_surface([before, head, tail], (ends, smooth), &mut discontinuities);
     }
     discontinuities
 }
@@ -113,6 +114,8 @@ pub(super) struct AttemptedStep<'a, R: Real, D> {
     pub(super) scene: &'a D,
     motions: &'a [Motion<R>],
     pub(super) ends: [&'a Motion<R>; 2],
+    /// Both ends, prepared for many contacts.
+    views: [ContactView<'a, R, D>; 2],
     pub(super) seconds: R,
     to_discontinuity: bool,
     allowed: R,
@@ -125,12 +128,12 @@ pub(super) struct AttemptedStep<'a, R: Real, D> {
 }
 
 impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
-    /// Adds the errors of the contacts `near` a surface. Adds those of edges and rims that meet it
-    /// between both ends, if the step may still be accepted.
+    /// Adds the errors of the contacts in the ranges `near` a surface. Adds those of edges and rims
+    /// that meet it between both ends, if the step may still be accepted.
     #[inline(always)]
-    fn add_surface<'c>(
+    fn add_surface(
         &self,
-        near: impl Iterator<Item = &'c ContactPoint<R>>,
+        near: [ContactRange; 3],
         (ends, smooth): ([&Point<R>; 2], R),
         discontinuities: &mut Discontinuities<R>,
     ) {
@@ -144,27 +147,32 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     }
 
     /// Adds the errors of contacts. Returns whether any of them pushes at each end of the step.
-    #[inline]
-    fn add_contacts<'c>(
+    #[inline(always)]
+    fn add_contacts(
         &self,
-        points: impl Iterator<Item = &'c ContactPoint<R>>,
+        near: [ContactRange; 3],
         discontinuities: &mut Discontinuities<R>,
     ) -> [bool; 2] {
-        points.fold([false; 2], |touches, point| {
-            let pushes = self.add_contact(point, discontinuities);
-            [touches[0] || pushes[0], touches[1] || pushes[1]]
-        })
+        let contacts = self.scene.body().contacts();
+        let mut touches = [false; 2];
+        for part in near.into_iter().flat_map(|range| range.parts(contacts)) {
+            for point in part {
+                let [start, end] = self.add_contact(point, discontinuities);
+                touches = [touches[0] || start, touches[1] || end];
+            }
+        }
+        touches
     }
 
     /// Adds the errors of one contact. Returns whether it pushes at each end of the step.
-    #[inline]
+    #[inline(always)]
     fn add_contact(
         &self,
         point: &ContactPoint<R>,
         discontinuities: &mut Discontinuities<R>,
     ) -> [bool; 2] {
-        let end_of = |motion| ContactEnd::of(self.scene, motion, point);
-        let (start, end) = (end_of(self.ends[0]), end_of(self.ends[1]));
+        let [start, end] = &self.views;
+        let (start, end) = (start.side(point), end.side(point));
         let pushes = [start.pushes(), end.pushes()];
         let path = Path::between(&start, &end, self.seconds);
         let opens = path.turns_above_ground();
