@@ -72,7 +72,8 @@ pub trait Observer<R: Real = f64> {
     /// Returns the next time at which the observer requests a sample, s since the start of the run.
     /// Default: `None`.
     ///
-    /// Requested samples are in addition to those after each step.
+    /// Requested samples are in addition to those after each step. The times must increase: in one
+    /// step, an observer receives no more samples after a time that does not.
     #[inline]
     fn requested_time(&self) -> Option<R> {
         None
@@ -159,10 +160,10 @@ fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
 pub struct Sample<'a, R: Real = f64> {
     /// Time since the start of the run, s. For an event: since that of the session.
     pub time: R,
-    /// Number of steps, counted from the same start. Within a step, that at its end, and for an
-    /// event that at its start.
+    /// Number of steps since the start of the run; for an event, since that of the session. Within
+    /// a step it is the number at the end of the step, and for an event that at its start.
     pub step: u64,
-    /// Number of evaluations of the contacts' forces, counted in the same way.
+    /// Number of evaluations of the contacts' forces, counted like the steps.
     pub evaluations: u64,
     /// Number of rejected attempts of an adaptive method.
     pub rejected: u64,
@@ -191,13 +192,14 @@ impl<R: Real> Sample<'_, R> {
         self.scene.rates(self.state)
     }
 
-    /// Lowest point of the body, or `None` for a body without contacts.
+    /// Lowest point of the body, or `None` for a body without contacts and rims.
     #[must_use]
     pub fn lowest_point(&self) -> Option<LowestPoint<R>> {
         self.scene.lowest_point(self.state)
     }
 
-    /// Number of contacts that touch the ground.
+    /// Number of contacts that touch the ground, as [`Stepper::touching`](crate::Stepper::touching)
+    /// counts them.
     #[must_use]
     pub fn touching(&self) -> usize {
         self.scene.touching(self.state)
@@ -226,9 +228,10 @@ pub trait SceneQuery<R: Real = f64> {
     fn rates(&self, state: &State<R>) -> Rates<R>;
     /// Energy, dissipation and rates of a state, computed in one pass over its contacts.
     fn account(&self, state: &State<R>) -> EnergyRates<R>;
-    /// Lowest point of the body, or `None` for a body without contacts.
+    /// Lowest point of the body, or `None` for a body without contacts and rims.
     fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>>;
-    /// Number of contacts that touch the ground.
+    /// Number of contacts that touch the ground, as [`Stepper::touching`](crate::Stepper::touching)
+    /// counts them.
     fn touching(&self, state: &State<R>) -> usize;
     /// Distance of two poses in bounding radii of the body: that of the centres of mass, plus twice
     /// the sine of half the angle between the orientations.

@@ -128,9 +128,13 @@ where
 {
     /// Replaces the ground.
     ///
+    /// To replace ground and friction together, as for several surfaces with a law for each, use
+    /// the [builder](Stepper::builder).
+    ///
     /// # Errors
-    /// Returns [`SceneError`] if the ground is invalid. The error names the quantity, the rule and
-    /// the value.
+    /// Returns [`SceneError`] if the ground is invalid, or if there are several friction laws and
+    /// their number is not that of the surfaces. The error names the quantity, the rule and the
+    /// value.
     pub fn with_ground<G2: SpringDamperGround<R>>(
         self,
         ground: G2,
@@ -142,8 +146,9 @@ where
     /// Replaces the friction law.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the friction law is invalid. The error names the quantity, the
-    /// rule and the value.
+    /// Returns [`SceneError`] if the friction law is invalid, or if there are several laws and
+    /// their number is not that of the surfaces. The error names the quantity, the rule and the
+    /// value.
     pub fn with_friction<F2: SlidingFriction<R>>(
         self,
         friction: F2,
@@ -155,7 +160,7 @@ where
     /// Replaces gravity.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the gravity is not finite.
+    /// Returns [`SceneError`] if the gravity or the weight of the body is not finite.
     pub fn with_gravity<A2: Gravity<R>>(
         self,
         gravity: A2,
@@ -313,7 +318,7 @@ where
             finite("speed after an impulse", velocity.length())?;
         }
         if !momentum.is_finite() {
-            finite("spin after an impulse", momentum.length())?;
+            finite("angular momentum after an impulse", momentum.length())?;
         }
         (state.linear_velocity, state.angular_momentum) = (velocity, momentum);
         Ok(())
@@ -341,20 +346,23 @@ where
         Energy::of(&self.scene, state)
     }
 
-    /// Lowest point of the body, with its slip velocity. `None` for a body without contacts.
+    /// Lowest point of the body, with its slip velocity. `None` for a body without contacts and
+    /// rims.
     #[must_use]
     pub fn lowest_point(&self, state: &State<R>) -> Option<LowestPoint<R>> {
         self.scene.lowest_point(state)
     }
 
-    /// Velocity of the body's material at its lowest point along the ground, m/s, world axes.
-    /// `None` for a body without contacts.
+    /// Velocity of the body's material at its lowest point along the ground and relative to it,
+    /// m/s, world axes. `None` for a body without contacts and rims.
     #[must_use]
     pub fn slip_velocity(&self, state: &State<R>) -> Option<R::Vec3> {
         Some(self.lowest_point(state)?.slip_velocity)
     }
 
-    /// Number of contacts that touch the ground.
+    /// Number of contacts that touch the ground, summed over its surfaces.
+    ///
+    /// A round rim counts with the points of its quadrature, whose number depends on the pose.
     #[must_use]
     pub fn touching(&self, state: &State<R>) -> usize {
         self.scene.touching(state)
@@ -363,9 +371,10 @@ where
     /// Computes the energy barriers between the faces of the body, which prove on which face it
     /// stays.
     ///
-    /// Returns `None` if there is no bound: no ground, ground that moves or is not a level plane,
-    /// gravity that does not point along -z, or springs too soft to support the body. It also
-    /// returns `None` if an applied force is not passive. Call it once for many states.
+    /// Returns `None` if there is no bound: no ground, several surfaces, ground that moves or is
+    /// not a level plane, gravity that does not point along -z, or springs too soft to support the
+    /// body. It also returns `None` if an applied force is not passive. Call it once for many
+    /// states.
     #[must_use]
     #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
     pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R, E>, R>>
@@ -597,8 +606,9 @@ where
         let mut last = None;
         while let Some(time) = observer.requested_time() {
             let asked = self.end_at(end_of_run.or_at(time));
-            // A time requested twice in a row would be requested for ever.
-            if !asked.is_reached(clock) || last == Some(time) {
+            // An observer that does not move on would be asked for ever.
+            let moves_on = last.is_none_or(|last| time > last);
+            if !(moves_on && asked.is_reached(clock)) {
                 break;
             }
             last = Some(time);

@@ -125,10 +125,18 @@ impl<R: Real> MassProperties<R> {
     /// `J = J₁ + J₂ + μ (|d|² 1 - d dᵀ)`, with `d` from one centre of mass to the other and
     /// `μ = m₁ m₂/(m₁ + m₂)`. This is the parallel-axis theorem for both parts. It avoids the
     /// difference of large numbers that a calculation about the origin has.
+    ///
+    /// A hole is a part of negative mass. The sum of two masses other than 0 must not be 0, as a
+    /// body without mass has no centre: add a hole to something heavier.
     #[must_use]
     pub fn with(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
-        let share = other.mass / mass;
+        // A part without mass has no share, beside another one without mass too.
+        let share = if other.mass == R::ZERO {
+            R::ZERO
+        } else {
+            other.mass / mass
+        };
         let apart = other.centre_of_mass - self.centre_of_mass;
         let pair = parallel_axis::<R>(self.mass * share, apart);
         let [a, b] = [self.inertia.columns(), other.inertia.columns()];

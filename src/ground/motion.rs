@@ -26,7 +26,7 @@ pub struct GroundMotion<R: Real = f64> {
 }
 
 impl<R: Real> GroundMotion<R> {
-    /// Creates a motion with the same velocity (m/s) everywhere.
+    /// Creates a motion with the same velocity (m/s, world axes) everywhere.
     #[must_use]
     pub fn translation(velocity: R::Vec3) -> Self {
         Self {
@@ -35,7 +35,8 @@ impl<R: Real> GroundMotion<R> {
         }
     }
 
-    /// Creates a rotation with an angular velocity (rad/s) about the axis through `centre` (m).
+    /// Creates a rotation with an angular velocity (rad/s) about the axis through `centre` (m), both
+    /// in world axes.
     #[must_use]
     pub fn rotation(centre: R::Vec3, angular_velocity: R::Vec3) -> Self {
         // The point of the axis nearest to the origin: any other adds its rounding to the velocity.
@@ -51,7 +52,7 @@ impl<R: Real> GroundMotion<R> {
         }
     }
 
-    /// Velocity of the material at a position (m), m/s, world axes.
+    /// Velocity of the material at a position (m from the origin), m/s, world axes.
     #[inline]
     #[must_use]
     pub fn velocity_at(&self, position: R::Vec3) -> R::Vec3 {
@@ -86,8 +87,12 @@ impl<R: Real> GroundMotion<R> {
         ] {
             error::finite(name, rate, " rad/s")?;
         }
-        for speed in [v.x(), v.y(), v.z()] {
-            error::finite("velocity of the ground", speed, " m/s")?;
+        for (name, speed) in [
+            ("x of the velocity of the ground", v.x()),
+            ("y of the velocity of the ground", v.y()),
+            ("z of the velocity of the ground", v.z()),
+        ] {
+            error::finite(name, speed, " m/s")?;
         }
         // The check against a plane compares lengths.
         let (rate, speed) = (w.length_squared(), v.length_squared());

@@ -919,6 +919,31 @@ fn the_numbers_of_a_terrain_are_in_their_ranges() {
 }
 
 #[test]
+fn a_law_whose_stiffness_overflows_is_refused_where_it_is_made() {
+    let carried = Carried {
+        mass: 1.0,
+        contacts: 4,
+    };
+    let impact = Impact {
+        speed: 1.0,
+        restitution: 0.5,
+    };
+    let errors = [
+        SpringDamper::from_bounce(carried, 0.5, 1e-200).unwrap_err(),
+        SpringDamper::from_rest(carried, 0.5, 1e-300, 1e300).unwrap_err(),
+        LimitedDamper::from_bounce(carried, 0.5, 1e-200).unwrap_err(),
+        HuntCrossley::from_bounce(carried, 1.5, impact, 1e-200).unwrap_err(),
+        HuntCrossley::from_contact_time(carried, 1.5, impact, 1e-200).unwrap_err(),
+        HuntCrossley::from_rest(carried, 1.5, impact, 1e-250, 9.8).unwrap_err(),
+    ];
+    for error in errors {
+        assert_eq!(error.quantity, "stiffness of the ground");
+        assert_eq!(error.rule, Rule::AtLeastZero);
+        assert!(error.value.is_infinite());
+    }
+}
+
+#[test]
 fn what_a_law_is_made_from_is_in_its_range() {
     let body = Carried {
         mass: 1.0,

@@ -281,6 +281,22 @@ fn a_shell_is_what_a_thinner_ball_leaves_of_a_ball() {
 }
 
 #[test]
+fn parts_without_mass_leave_the_others_as_they_are() {
+    let nothing = MassProperties::point(0.0).at(DVec3::X);
+    let ball = MassProperties::ball(2.0, 0.3).unwrap().at(DVec3::Y);
+    for whole in [
+        nothing.with(&nothing).with(&ball),
+        ball.with(&nothing).with(&nothing),
+    ] {
+        assert_eq!(whole, ball);
+    }
+    // What is left of a body and a hole of the same mass has no centre.
+    let hole = MassProperties::point(-2.0);
+    let error = ball.with(&hole).with(&ball).check().unwrap_err();
+    assert_eq!(error.rule, Rule::Finite);
+}
+
+#[test]
 fn a_capsule_is_a_cylinder_between_half_balls() {
     let (radius, length, density): (f64, f64, f64) = (0.3, 0.8, 7.0);
     let tube = density * PI * radius * radius * length;

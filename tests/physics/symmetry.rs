@@ -772,7 +772,7 @@ fn an_impulse_that_is_not_finite_is_refused_and_leaves_the_state() {
         (
             DVec3::X * 1e200,
             DVec3::Z * 1e200,
-            "spin after an impulse must be finite, got inf",
+            "angular momentum after an impulse must be finite, got inf",
         ),
     ] {
         assert_eq!(refused(impulse, point), message);

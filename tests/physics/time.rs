@@ -22,6 +22,38 @@ use tumble::{
     StrangSplitting, SymplecticEuler, Timed, Trial, UniformGravity,
 };
 
+/// Requests two times in turn, and so for ever one that is past.
+struct Undecided {
+    asks_later: bool,
+    seen: u32,
+}
+
+impl Observer for Undecided {
+    fn observe(&mut self, _: &Sample<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    fn requested_time(&self) -> Option<f64> {
+        Some(if self.asks_later { 2e-3 } else { 1e-3 })
+    }
+    fn observe_requested(&mut self, _: &Sample<'_>) -> ControlFlow<()> {
+        self.asks_later = !self.asks_later;
+        self.seen += 1;
+        ControlFlow::Continue(())
+    }
+}
+
+#[test]
+fn an_observer_that_goes_back_in_time_does_not_hold_a_run() {
+    let stepper = trial().stepper(Rk4 { time_step: 5e-3 }).unwrap();
+    let mut observer = Undecided {
+        asks_later: false,
+        seen: 0,
+    };
+    let mut state = trial().state();
+    stepper.run(&mut state, 0.1, &mut observer).unwrap();
+    assert_eq!(observer.seen, 2 * 20);
+}
+
 /// [`Every`] counts samples, also those between steps, and begins with the first of a run.
 #[test]
 fn every_passes_on_one_sample_in_n() {

@@ -1,6 +1,6 @@
 //! Parameters of the contact laws from measured quantities of a bounce, in f64 with `libm`.
 
-use super::SpringDamper;
+use super::{ContactLaw, SpringDamper};
 use crate::error::{self, Rule, SceneError};
 use crate::quadrature::UNIT_3;
 use crate::real::Real;
@@ -38,10 +38,12 @@ impl<R: Real> Carried<R> {
     /// and damping ratio.
     pub(super) fn on(&self, frequency: f64, ratio: f64) -> Result<SpringDamper<R>, SceneError> {
         let mass = self.by_each()?;
-        Ok(SpringDamper {
+        let law = SpringDamper {
             stiffness: R::from_f64(mass * frequency * frequency),
             damping: R::from_f64(2.0 * ratio * mass * frequency),
-        })
+        };
+        law.check()?;
+        Ok(law)
     }
 }
 
@@ -174,10 +176,13 @@ pub(super) fn limited_damper(ratio: f64) -> [f64; 2] {
     [left, first + second]
 }
 
+/// Restitution below which that of a limited damper counts as this one.
+const LEAST_RESTITUTION: f64 = 1e-140;
+
 /// Damping ratio of a spring with a limited damper with this restitution.
 pub(super) fn limited_damper_ratio<R: Real>(restitution: R) -> Result<f64, SceneError> {
-    // The square of the ratio must not overflow, so a restitution below 1e-140 counts as 1e-140.
-    let aim = libm::log(checked(restitution)?.max(1e-140));
+    // Of a smaller restitution, the square of the ratio would overflow.
+    let aim = libm::log(checked(restitution)?.max(LEAST_RESTITUTION));
     // Far above 1 the restitution is 1/(√8 ζ).
     let high = 1.0 + libm::exp(-aim);
     Ok(where_it_passes_zero(0.0, high, |ratio| {

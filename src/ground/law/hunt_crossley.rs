@@ -73,7 +73,8 @@ impl<R: Real> HuntCrossley<R> {
     /// bounce with exponent 3/2 takes `2.943 depth/speed`.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a number is outside its range.
+    /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
+    /// overflows.
     pub fn from_bounce(
         carried: Carried<R>,
         exponent: R,
@@ -104,7 +105,8 @@ impl<R: Real> HuntCrossley<R> {
     /// law is shorter, in proportion to `speed^(-(n-1)/(n+1))` where the loss is small.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a number is outside its range.
+    /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
+    /// overflows.
     pub fn from_contact_time(
         carried: Carried<R>,
         exponent: R,
@@ -131,20 +133,23 @@ impl<R: Real> HuntCrossley<R> {
     ) -> Result<Self, SceneError> {
         let power = exponent.to_f64() + 1.0;
         let work = carried.by_each()? * speed * speed * bounce::work_down(loss);
-        Ok(Self {
+        let law = Self {
             stiffness: R::from_f64(work * power / libm::pow(depth, power)),
             exponent,
             damping: R::from_f64(loss / speed),
-        })
+        };
+        law.check()?;
+        Ok(law)
     }
 
-    /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
-    /// (m/s²), and that gives this impact its restitution.
+    /// Creates the law on which a body penetrates by `sink_depth` (m, above 0) at rest under a
+    /// gravity of this size (m/s², above 0), and that gives this impact its restitution.
     ///
     /// The stiffness is `m g/depthⁿ`. The damping is that of [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a number is outside its range.
+    /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
+    /// overflows.
     pub fn from_rest(
         carried: Carried<R>,
         exponent: R,
@@ -158,11 +163,13 @@ impl<R: Real> HuntCrossley<R> {
         error::above_zero("gravity", gravity, " m/s²")?;
         let weight = carried.by_each()? * gravity.to_f64();
         let power = libm::pow(sink_depth.to_f64(), exponent.to_f64());
-        Ok(Self {
+        let law = Self {
             stiffness: R::from_f64(weight / power),
             exponent,
             damping: R::from_f64(loss / impact.speed.to_f64()),
-        })
+        };
+        law.check()?;
+        Ok(law)
     }
 
     /// Power `dⁿ` of a depth.

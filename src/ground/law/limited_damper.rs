@@ -34,10 +34,11 @@ impl<R: Real> LimitedDamper<R> {
     ///
     /// The result holds without gravity during the bounce, for contacts that touch together under
     /// the centre of mass. The duration is `(arctan(√8 ζ)/√2 + (2β - θ)/sin β)/ω`, in the symbols
-    /// of [`LimitedDamper`], with `ω = √(k/m)`.
+    /// of [`LimitedDamper`], with `ω = √(k/m)`. A restitution below 1e-140 counts as 1e-140.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a number is outside its range.
+    /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
+    /// overflows.
     pub fn from_bounce(
         carried: Carried<R>,
         restitution: R,
@@ -49,11 +50,12 @@ impl<R: Real> LimitedDamper<R> {
         Ok(Self::limited(carried.on(frequency, ratio)?))
     }
 
-    /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
-    /// (m/s²), and bounces with this restitution (-, above 0, at most 1).
+    /// Creates the law on which a body penetrates by `sink_depth` (m, above 0) at rest under a
+    /// gravity of this size (m/s², above 0), and bounces with this restitution (-, above 0, at most 1).
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a number is outside its range.
+    /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
+    /// overflows.
     pub fn from_rest(
         carried: Carried<R>,
         restitution: R,

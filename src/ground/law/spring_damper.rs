@@ -37,7 +37,8 @@ impl<R: Real> SpringDamper<R> {
     /// `speed · ω` is not far above g, gravity makes a bounce longer and its restitution smaller.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a number is outside its range.
+    /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
+    /// overflows.
     pub fn from_bounce(
         carried: Carried<R>,
         restitution: R,
@@ -48,14 +49,15 @@ impl<R: Real> SpringDamper<R> {
         carried.on(frequency, ratio)
     }
 
-    /// Creates the law on which a body penetrates by `sink_depth` (m) at rest under `gravity`
-    /// (m/s²), and bounces with this restitution (-, above 0, at most 1).
+    /// Creates the law on which a body penetrates by `sink_depth` (m, above 0) at rest under a
+    /// gravity of this size (m/s², above 0), and bounces with this restitution (-, above 0, at most 1).
     ///
     /// The stiffness is `m g/depth`. The restitution has the limits of
     /// [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a number is outside its range.
+    /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
+    /// overflows.
     pub fn from_rest(
         carried: Carried<R>,
         restitution: R,
