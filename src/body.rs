@@ -19,6 +19,9 @@
 //! | [`Solid`] | any, independent of the mass distribution | the user's | |
 //! | [`PointCloud`] | the user's points, each with a mass | the user's | |
 //!
+//! A constructor that returns no `Result` accepts any numbers. That masses, radii and edges are
+//! above 0 is checked when a scene is composed. The error names the quantity and its value.
+//!
 //! [`MassProperties`] holds the mass, the centre of mass and the inertia of solids, of points and
 //! of bodies joined from them.
 

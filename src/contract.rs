@@ -127,7 +127,8 @@ pub enum Requirement {
     /// Body: each method returns the same value at every call with the same arguments.
     #[error("the values of a body must be the same at every call")]
     Rigid,
-    /// Body: no contact's surface lies beyond the bounding radius.
+    /// Body: no contact, rim or point of the support function lies beyond the bounding radius, and
+    /// no contact beyond the support function.
     #[error("no contact may lie beyond the bounding radius or the support function")]
     Reach,
     /// Body: `contacts_below` omits no contact, and `contacts_below_near` returns the same range

@@ -15,7 +15,7 @@ pub enum Rule {
     AboveZeroToOne,
     /// Greater than 0 and less than 1.
     BetweenZeroAndOne,
-    /// Zero within rounding.
+    /// Zero. Whether rounding is allowed depends on the quantity.
     Zero,
     /// At most 0.
     AtMostZero,

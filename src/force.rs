@@ -25,8 +25,9 @@ use crate::state::Motion;
 /// *To the implementer:*
 ///
 /// - [`wrench`](Self::wrench) is finite for every finite motion, and continuous.
-/// - [`is_passive`](Self::is_passive) is true if the force never does positive work:
-///   `force · v + torque · ω <= 0`. The energy then never increases with
+/// - [`is_passive`](Self::is_passive) is true if the wrench never does positive work:
+///   `force · v + torque · ω <= 0`. A constant part does not count, because it has a potential. The
+///   energy then never increases with
 ///   [`EnergyMomentum`](crate::EnergyMomentum). Another force is a *drive*. Its work is stated by
 ///   [`Step::drive_work`](crate::Step::drive_work), and the energy minus this work never increases.
 ///
@@ -78,8 +79,9 @@ pub trait Force<R: Real = f64> {
     /// [constant part](Self::constant_force).
     fn wrench(&self, motion: &Motion<R>) -> Wrench<R>;
 
-    /// Returns true if the force never does positive work on the body. It must always return the
-    /// same value.
+    /// Returns true if the [`wrench`](Self::wrench) never does positive work on the body. The
+    /// [constant part](Self::constant_force) does not count, because it has a potential. The method
+    /// must always return the same value.
     fn is_passive(&self) -> bool;
 
     /// Part of the force that is the same in every motion, N, world axes. Default: none.

@@ -88,7 +88,7 @@ pub trait SlidingFriction<R: Real = f64> {
     /// Friction force on the body at one contact, N, world axes.
     ///
     /// `normal_force` is the normal force on the contact (N, at least 0). `slip` is the velocity of
-    /// the contact point along the surface (m/s, world axes).
+    /// the contact point along the surface and relative to it (m/s, world axes).
     fn force(&self, normal_force: R, slip: R::Vec3) -> R::Vec3;
 
     /// Derivatives of the force with respect to slip and normal force, for implicit integrators:
@@ -97,7 +97,8 @@ pub trait SlidingFriction<R: Real = f64> {
     /// The provided method takes differences of [`force`](Self::force). The derivatives steer
     /// Newton's iteration: a small error in them costs iterations, not accuracy. If the force is
     /// not opposite to the slip, they are those of its component along the slip, and
-    /// [`metric_at`](Self::metric_at) gives its direction.
+    /// [`metric_at`](Self::metric_at) gives its direction. At zero slip or zero load it returns
+    /// [`FrictionJacobian::NONE`].
     #[inline]
     fn jacobian(&self, normal_force: R, slip: R::Vec3) -> FrictionJacobian<R> {
         jacobian_by_differences(|load, slip| self.force(load, slip), normal_force, slip)
@@ -219,12 +220,14 @@ pub trait SlidingFriction<R: Real = f64> {
     /// Returns true if the values of the law need no check while a step evaluates them. Default:
     /// false.
     ///
-    /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
-    /// [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) check those of their last stage. Override
-    /// this method if the law keeps its contract for every finite input, and
-    /// [`check_friction`](crate::contract::check_friction) finds no fault. The checks then cost
-    /// nothing. A trusted law that breaks its contract is not detected.
+    /// A step checks some values of a law that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that the
+    /// force is a number and does no positive work, and that a resistance is finite and at least 0.
+    /// It does not check that the force is along the surface, as
+    /// [`check_friction`](crate::contract::check_friction) does. [`Rk4`](crate::Rk4) and
+    /// [`Nystrom`](crate::Nystrom) check the values of their last stage. Override this method if
+    /// the law keeps its contract for every finite input, and `check_friction` finds no fault. The
+    /// checks then cost nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
@@ -307,7 +310,8 @@ forward!(alloc::boxed::Box<F>);
 /// For [`Coulomb`] the width is `|slip| + slip_speed`, and it grows by 1 m/s for each m/s of slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJacobian<R: Real = f64> {
-    /// Ratio `|force|/|slip|`, N s/m, at least 0; at zero slip its limit.
+    /// Ratio `|force|/|slip|`, N s/m, at least 0; at zero slip its limit. The provided
+    /// [`SlidingFriction::jacobian`] returns 0 there.
     pub coefficient: R,
     /// Derivative of the coefficient with respect to the normal force, s/m.
     pub per_load: R,

@@ -136,7 +136,7 @@ pub trait SpringDamperGround<R: Real = f64> {
     fn normal_force(&self, depth: R, closing_speed: R) -> R;
 
     /// Mean force on one contact, with its derivatives, while the depth changes at a constant rate
-    /// from `start` to `end` (m; below 0 is above ground) in `seconds`.
+    /// from `start` to `end` (m; below 0 is above ground) in `seconds`, above 0.
     ///
     /// Implicit integrators use this method. The provided method computes the mean force of the
     /// spring from [`spring_energy`](Self::spring_energy), as `ΔV/Δd`, so that the springs return
@@ -196,12 +196,15 @@ pub trait SpringDamperGround<R: Real = f64> {
     /// Returns true if the values of the ground need no check while a step evaluates them. Default:
     /// false.
     ///
-    /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract.
-    /// [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) check those of their last stage. Override
-    /// this method if the law keeps its contract for every finite input, and
-    /// [`check_ground`](crate::contract::check_ground) finds no fault. The checks then cost
-    /// nothing. A trusted law that breaks its contract is not detected.
+    /// A step checks some values of a law that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that
+    /// forces are finite, that the spring energy is not negative and that the normal has length 1.
+    /// It does not check that the ground never pulls or that its damper dissipates, as
+    /// [`check_ground`](crate::contract::check_ground) does.
+    /// [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) check the values of their last stage.
+    /// Override this method if the law keeps its contract for every finite input, and
+    /// `check_ground` finds no fault. The checks then cost nothing. A trusted law that breaks its
+    /// contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false

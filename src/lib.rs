@@ -35,7 +35,7 @@
 //! | choose integrator and step size for an error | [`guide::choosing`] |
 //! | measure the error on your scene | [`work_precision`](mod@work_precision) |
 //! | audit the energy of a run | [`Ledger`] |
-//! | sample a run at given times | [`Timed`] |
+//! | sample a run at equal intervals of time | [`Timed`] |
 //! | sample a state within a step | [`Session::dense_step`] |
 //! | compute the orientation of a free body at any time | [`FreeRotation`] |
 //! | know which parts a scene needs, and what they cost | [`guide::modelling`] |
@@ -61,9 +61,9 @@
 //!   any moments of inertia with [`EnergyMomentum`] and other methods (see [below](#integrators)).
 //! - A ground with a spring and a damper under each contact, which never pulls. [`FlatGround`] is a
 //!   plane at any height and tilt. [`Ground`] combines a law ([`ContactLaw`]) with a shape
-//!   ([`Shape`]), for example hills and valleys ([`Terrain`]). You can implement your own.
-//!   Its material may move along its surface ([`MovingGround`]): a conveyor, a turntable. A tuple or
-//!   an array of grounds is a ground of [several surfaces](SpringDamperGround#several-surfaces): a
+//!   ([`Shape`]), for example hills and valleys ([`Terrain`]). You can implement your own. Its
+//!   material may move along its surface ([`MovingGround`]): a conveyor, a turntable. A tuple or an
+//!   array of grounds is a ground of [several surfaces](SpringDamperGround#several-surfaces): a
 //!   tray, a groove, a table with an edge ([`Block`]).
 //! - Sliding friction at each contact, with a law from the [list of laws](SlidingFriction) or your
 //!   own. Coulomb's law is finite at zero slip ([`Coulomb`], [`SmoothCoulomb`]). Other laws have a
@@ -87,9 +87,9 @@
 //!   four months.
 //! - A given coefficient of restitution: bounces follow from spring and damper.
 //!   [`SpringDamper::from_bounce`] and [`HuntCrossley::from_bounce`] compute the law for a bounce.
-//! - Circles, by bodies of points. A [`Coin`] of n points is a polygon, which deviates from the
-//!   circle by `r (1 - cos(π/n))`. This is 0.17 mm for 120 points on 0.5 m. A [`Disc`] and a
-//!   [`ThickDisc`] are round, as are spheres, capsules and [`Ellipsoid`]s.
+//! - A circle by points. A [`Coin`] of n points is a polygon, which deviates from the circle by
+//!   `r (1 - cos(π/n))`. This is 0.17 mm for 120 points on 0.5 m. A [`Disc`] and a [`ThickDisc`]
+//!   are round, as are spheres, capsules and [`Ellipsoid`]s.
 //!
 //! # Units, frames, signs
 //!
@@ -107,8 +107,8 @@
 //! | | promise | shown by |
 //! |---|---|---|
 //! | G1 | With [`EnergyMomentum`] and [`AdaptiveEnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force or a moving ground drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes with [`EnergyMomentum`], whose steps the adaptive method takes), `tests/physics/adaptive_energy_momentum.rs`, [derivation](guide::energy) |
-//! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/physics/rigidity.rs`, up to 10⁷ steps |
-//! | G3 | The energy audit adds up: the energy equals the energy at the start, minus the energy that friction, dampers and separation dissipated, plus the energy error. The energy error is the integrator's own. It falls at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
+//! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/physics/rigidity.rs`, up to 10⁷ steps; [10⁹ steps](guide::long_runs) |
+//! | G3 | The energy audit adds up: the energy equals the energy at the start, minus the energy that friction, dampers and separation dissipated, plus the energy error. The energy error is the integrator's own, within the limits that [`Ledger`] states. It decreases at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, cost, stability limit, and when it can add energy. | `tests/physics/truth.rs`, `tests/physics/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
 //! | G5 | A scene has the cost of its parts only: an absent part costs nothing, flight evaluates no contact, and rest in a [`Session`] costs a comparison. | `benches/` |
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (the linked object refers to no panic code), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |

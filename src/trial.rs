@@ -21,8 +21,8 @@ pub enum Start {
     Spinning,
 }
 
-/// Start of a trial of the coin report, with its five parameters: direction and size of the angular
-/// momentum, tilt, friction, damping.
+/// Start of a trial of the coin report, with its parameters: direction and size of the angular
+/// momentum, tilt, friction (coefficient and slip speed), damping.
 ///
 /// The coin is a ring of 120 points with 1 kg and a radius of 0.5 m. Its lowest point is on the
 /// plane z = 0, under gravity of 9.8 m/s², on springs of 1000 N/m a point.

@@ -186,7 +186,7 @@ impl<R: Real> Disc<R> {
         tilt(state)
     }
 
-    /// Face that points up.
+    /// Face that points up, or [`CoinFace::Edge`] for a disc that is upright to rounding.
     #[must_use]
     pub fn face_up(&self, state: &State<R>) -> CoinFace {
         CoinFace::up(state.rotation().axes().x.z())

@@ -12,7 +12,8 @@ pub struct Load<R: Real = f64> {
     pub force: R::Vec3,
     /// Torque about the centre of mass, N m.
     pub torque: R::Vec3,
-    /// Number of contacts that touch.
+    /// Number of contacts that touch, summed over the surfaces. A round rim counts with the points
+    /// of its quadrature, whose number depends on the pose.
     pub touching: usize,
 }
 

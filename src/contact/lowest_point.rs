@@ -12,14 +12,15 @@ use crate::state::Motion;
 /// Lowest point of a body's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LowestPoint<R: Real = f64> {
-    /// Number of its contact. Rims are numbered after the last contact.
+    /// Number of the contact that is lowest. Rims are numbered after the last contact.
     pub index: usize,
     /// Position, m, world axes.
     pub position: R::Vec3,
-    /// Height above the ground, m, negative below ground.
+    /// Height above the ground, m, negative below ground. In a scene without ground it is the
+    /// largest number.
     pub gap: R,
     /// Velocity of the body's material at the point, along the surface and relative to the ground,
-    /// m/s.
+    /// m/s, world axes.
     pub slip_velocity: R::Vec3,
 }
 
@@ -47,7 +48,7 @@ where
     F: SlidingFriction<R>,
 {
     /// Returns the point of the body's surface that is lowest above the ground, or deepest below
-    /// it. Returns `None` for a body without contacts.
+    /// it. Returns `None` for a body without contacts and rims.
     ///
     /// The body's [`contacts_below`](RigidPointBody::contacts_below) leads the search, so that a
     /// ring of any number of points costs a few of them.

@@ -107,7 +107,8 @@ impl Histogram {
         self.below + self.bins.iter().sum::<u64>() + self.above
     }
 
-    /// Returns both edges of a bin. The last bin ends at the high end of the histogram.
+    /// Returns both edges of a bin, numbered from 0. The last bin ends at the high end of the
+    /// histogram, and the edges of a larger number are those of a grid that continues beyond it.
     #[must_use]
     pub fn edges(&self, bin: usize) -> [f64; 2] {
         let edge = |at: usize| {

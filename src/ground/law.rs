@@ -77,7 +77,7 @@ pub trait ContactLaw<R: Real = f64> {
     fn normal_force(&self, depth: R, closing_speed: R) -> R;
 
     /// Mean force while the depth changes at a constant rate from `start` to `end` (m; below 0 is
-    /// above ground) in `seconds`.
+    /// above ground) in `seconds`, above 0.
     ///
     /// See [`SpringDamperGround::mean_force`](crate::SpringDamperGround::mean_force).
     #[inline]
@@ -97,10 +97,12 @@ pub trait ContactLaw<R: Real = f64> {
     /// Returns true if the values of the law need no check while a step evaluates them. Default:
     /// false.
     ///
-    /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
-    /// this method if the law keeps its contract for every finite input, and
-    /// [`check_ground`](crate::contract::check_ground) finds no fault. The checks then cost
+    /// A step checks some values of a law that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that
+    /// forces are finite, and that the spring energy is not negative. It does not check that the
+    /// law never pulls or that its damper dissipates, as
+    /// [`check_ground`](crate::contract::check_ground) does. Override this method if the law keeps
+    /// its contract for every finite input, and `check_ground` finds no fault. The checks then cost
     /// nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {

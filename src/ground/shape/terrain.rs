@@ -50,11 +50,12 @@ pub trait HeightField<R: Real = f64> {
     /// Returns true if the values of the height field need no check while a step evaluates them.
     /// Default: false.
     ///
-    /// A step checks the values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if one breaks the contract. Override
-    /// this method if the law keeps its contract for every finite input, and
+    /// A step checks some values of a height field that is not trusted, and returns
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that the
+    /// gap is a number, and that the normal has length 1. Override this method if the height field
+    /// keeps its contract for every finite input, and
     /// [`check_ground`](crate::contract::check_ground) finds no fault. The checks then cost
-    /// nothing. A trusted law that breaks its contract is not detected.
+    /// nothing. A trusted height field that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
