@@ -283,7 +283,7 @@ fn checks_in_air(found: &[Bounce]) -> Vec<Check> {
         ),
         Check::between(
             "air: restitution by the first two intervals between sounds",
-            "smaller than that of the bounce, because the way through air takes speed too",
+            "smaller than that of the bounce, because the air slows the ball, too",
             ratio_of_sounds(found),
             0.85,
             RESTITUTION - 0.01,

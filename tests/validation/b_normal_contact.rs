@@ -397,7 +397,7 @@ random! {
     /// is `sin φ` at both ends, which lie anywhere between two points. By Euler & Maclaurin it
     /// misses up to `h² sin φ/6` of `2 (sin φ - φ cos φ)`, h the points' distance in rad; `φ` that
     /// by `2 φ sin φ`, and the sag `r (1 - cos φ)` up to `r h² sin φ/(12 φ)`.
-    ANY_SAG = new(48, "ring of 60 to 3000 points, mass, radius, g and arc up to 0.8 rad, turned anyhow");
+    ANY_SAG = new(48, "ring of 60 to 3000 points, mass, radius, g and arc up to 0.8 rad, at any rotation");
     fn rings_of_any_number_of_points_sink_until_their_springs_carry_them(
         points_in_arc in 2.0..30.0_f64,
         arc in log_uniform(0.05, 0.8),
@@ -500,7 +500,7 @@ static SWING_OF_A_COIN: Case = Case::new(
         // Printed to 5e-7; a period is known to 1.5e-6 of itself, and the oscillation is level
         // there.
         vec![figure(
-            "the report's coin flat: logarithmic decrement",
+            "the coin of the coin report, flat: logarithmic decrement",
             0.546_192,
             decrement,
             1e-6,

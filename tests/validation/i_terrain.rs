@@ -231,7 +231,7 @@ random! {
     /// the wall's load on average, and slips meanwhile by that of ε; a tenth more as the load comes
     /// and goes. The wall's depth, arm Ω²/S of the arm, makes the speed larger by as much. The time
     /// is late as the way is long.
-    ANY_HOLE = new(16, "ball, hole of 0.3 to 1 m, rate whose wall bears 3 to 20 times the weight");
+    ANY_HOLE = new(16, "ball, hole of 0.3 to 1 m, rate at which the wall force is 3 to 20 weights");
     fn balls_of_any_kind_come_up_again_in_a_hole_of_any_size(
         moment in 0.2..1.0_f64,
         hole in 0.3..1.0_f64,
@@ -270,7 +270,7 @@ static GOLF_BALL: Case = Case::new(
         let miss = 6e-4;
         vec![
             figure(
-                "ball in a hole: swings up and down by turns round",
+                "ball in a hole: vertical oscillations per revolution",
                 (2.0_f64 / 7.0).sqrt(),
                 sphere,
                 miss,

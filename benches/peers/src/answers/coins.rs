@@ -275,7 +275,7 @@ pub(crate) fn spinning() -> Scene {
         steps: vec![1e-3, 1e-4, 1e-5],
         plain_steps: vec![1e-4, 1e-5],
         ..scene(
-            "coin drills at 10⁴ rad/s",
+            "coin spins flat at 10⁴ rad/s",
             about,
             law,
             seconds,
