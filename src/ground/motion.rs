@@ -35,8 +35,9 @@ impl<R: Real> GroundMotion<R> {
         }
     }
 
-    /// Creates a rotation with an angular velocity (rad/s) about the axis through `centre` (m), both
-    /// in world axes.
+    /// Creates a rotation with an angular velocity (rad/s) about the axis through `centre` (m).
+    ///
+    /// Both are in world axes.
     #[must_use]
     pub fn rotation(centre: R::Vec3, angular_velocity: R::Vec3) -> Self {
         // The point of the axis nearest to the origin: any other adds its rounding to the velocity.

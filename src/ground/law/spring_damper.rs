@@ -50,7 +50,8 @@ impl<R: Real> SpringDamper<R> {
     }
 
     /// Creates the law on which a body penetrates by `sink_depth` (m, above 0) at rest under a
-    /// gravity of this size (m/s², above 0), and bounces with this restitution (-, above 0, at most 1).
+    /// gravity of this size (m/s², above 0), and bounces with this restitution (-, above 0, at most
+    /// 1).
     ///
     /// The stiffness is `m g/depth`. The restitution has the limits of
     /// [`from_bounce`](Self::from_bounce).
