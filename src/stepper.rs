@@ -607,8 +607,7 @@ where
         while let Some(time) = observer.requested_time() {
             let asked = self.end_at(end_of_run.or_at(time));
             // An observer that does not move on would be asked for ever.
-            let moves_on = last.is_none_or(|last| time > last);
-            if !(moves_on && asked.is_reached(clock)) {
+            if !asked.is_reached(clock) || last.is_some_and(|last| time <= last) {
                 break;
             }
             last = Some(time);

@@ -938,7 +938,7 @@ fn a_law_whose_stiffness_overflows_is_refused_where_it_is_made() {
     ];
     for error in errors {
         assert_eq!(error.quantity, "stiffness of the ground");
-        assert_eq!(error.rule, Rule::AtLeastZero);
+        assert_eq!(error.rule, Rule::Finite);
         assert!(error.value.is_infinite());
     }
 }

@@ -795,11 +795,11 @@ fn ground_that_would_leave_its_plane_is_named() {
     );
     assert_eq!(
         named(GroundMotion::translation(DVec3::X * f64::NAN)),
-        ("velocity of the ground", Rule::Finite)
+        ("x of the velocity of the ground", Rule::Finite)
     );
     assert_eq!(
         named(GroundMotion::rotation(DVec3::X * f64::INFINITY, DVec3::Z)),
-        ("velocity of the ground", Rule::Finite)
+        ("x of the velocity of the ground", Rule::Finite)
     );
     assert_eq!(
         named(GroundMotion::rotation(DVec3::ZERO, DVec3::Y * f64::NAN)),
@@ -816,7 +816,7 @@ fn the_velocity_of_a_ground_is_told_with_its_own_value() {
     };
     assert_eq!(
         told(f64::NEG_INFINITY),
-        "velocity of the ground must be finite, got -inf m/s"
+        "x of the velocity of the ground must be finite, got -inf m/s"
     );
     assert_eq!(
         told(1e200),
