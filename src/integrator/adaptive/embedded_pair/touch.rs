@@ -84,15 +84,12 @@ pub(super) fn discontinuities<R: Real, D: Dynamics<R>, const STAGES: usize>(
         if smooth > allowed && before.count.saturating_add(after.count) > tuning::MANY_CONTACTS {
             continue;
         }
-        let motions = [&start.motion, &attempt.end.motion];
-        let scene = &OnSurface::of(scene, surface);
         let step = AttemptedStep {
             weights: pair.weights(),
             follows_slip: pair.follows_slip,
-            scene,
+            scene: &OnSurface::of(scene, surface),
             motions: &attempt.motions,
-            ends: motions,
-            views: motions.map(|motion| ContactView::of(scene, motion)),
+            ends: [&start.motion, &attempt.end.motion],
             seconds,
             to_discontinuity,
             allowed,
@@ -114,8 +111,6 @@ pub(super) struct AttemptedStep<'a, R: Real, D> {
     pub(super) scene: &'a D,
     motions: &'a [Motion<R>],
     pub(super) ends: [&'a Motion<R>; 2],
-    /// Both ends, prepared for many contacts.
-    views: [ContactView<'a, R, D>; 2],
     pub(super) seconds: R,
     to_discontinuity: bool,
     allowed: R,
@@ -147,17 +142,20 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     }
 
     /// Adds the errors of contacts. Returns whether any of them pushes at each end of the step.
-    #[inline(always)]
+    ///
+    /// Not inlined, so that it is compiled once for all pairs.
+    #[inline(never)]
     fn add_contacts(
         &self,
         near: [ContactRange; 3],
         discontinuities: &mut Discontinuities<R>,
     ) -> [bool; 2] {
         let contacts = self.scene.body().contacts();
+        let views = self.ends.map(|motion| ContactView::of(self.scene, motion));
         let mut touches = [false; 2];
         for part in near.into_iter().flat_map(|range| range.parts(contacts)) {
             for point in part {
-                let [start, end] = self.add_contact(point, discontinuities);
+                let [start, end] = self.add_contact(point, &views, discontinuities);
                 touches = [touches[0] || start, touches[1] || end];
             }
         }
@@ -169,9 +167,9 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     fn add_contact(
         &self,
         point: &ContactPoint<R>,
+        [start, end]: &[ContactView<'_, R, D>; 2],
         discontinuities: &mut Discontinuities<R>,
     ) -> [bool; 2] {
-        let [start, end] = &self.views;
         let (start, end) = (start.side(point), end.side(point));
         let pushes = [start.pushes(), end.pushes()];
         let path = Path::between(&start, &end, self.seconds);
