@@ -218,7 +218,7 @@ fn material_that_leaves_its_surface_or_is_nan_is_caught() {
     assert_eq!(violation.requirement, Requirement::Finite, "{violation}");
     let stepper = Stepper::new(Ball::new(0.5, 0.1)).unwrap();
     let error = stepper.with_ground(nan()).expect_err("the speed is NaN");
-    assert_eq!(error.quantity, "velocity of the ground");
+    assert_eq!(error.quantity, "x of the velocity of the ground");
 }
 
 #[test]
