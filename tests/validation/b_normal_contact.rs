@@ -397,7 +397,8 @@ random! {
     /// is `sin φ` at both ends, which lie anywhere between two points. By Euler & Maclaurin it
     /// misses up to `h² sin φ/6` of `2 (sin φ - φ cos φ)`, h the points' distance in rad; `φ` that
     /// by `2 φ sin φ`, and the sag `r (1 - cos φ)` up to `r h² sin φ/(12 φ)`.
-    ANY_SAG = new(48, "ring of 60 to 3000 points, mass, radius, g and arc up to 0.8 rad, at any rotation");
+    ANY_SAG = new(48, "ring of 60 to 3000 points, mass, radius, g and arc up to 0.8 rad, \
+        at any rotation");
     fn rings_of_any_number_of_points_sink_until_their_springs_carry_them(
         points_in_arc in 2.0..30.0_f64,
         arc in log_uniform(0.05, 0.8),

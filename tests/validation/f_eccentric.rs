@@ -193,7 +193,8 @@ fn rattle(askew: f64, spin: f64, seconds: f64) -> Vec<State> {
 /// of it is held, and the mirror image, exactly.
 static MIRRORED_STONE: Case = Case::new(
     "F4",
-    "a mirrored stone with the mirrored spin has the mirrored motion; a stone reverses one spin and not the other",
+    "a mirrored stone with the mirrored spin has the mirrored motion; a stone reverses one spin \
+     and not the other",
     "Walker (1896); Garcia & Hubbard, Proc. R. Soc. Lond. A 418, 165 (1988)",
     || {
         let [stone, image] =

@@ -52,7 +52,7 @@ impl<R: Real> LimitedDamper<R> {
 
     /// Creates the law on which a body penetrates by `sink_depth` (m, above 0) at rest under a
     /// gravity of this size (m/s², above 0), and bounces with this restitution (-, above 0, at most
-    /// 1).
+    /// 1). A restitution below 1e-140 counts as 1e-140.
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping

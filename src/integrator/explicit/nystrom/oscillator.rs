@@ -83,7 +83,8 @@ mod tests {
     }
 
     /// Relative error of the limit from where damping removes what a step adds, to leading order:
-    /// `Y = 73 X³/172800`.
+    /// `Y = 73 X³/172800`. The next term, `X⁴/25600`, is 7e-4 of the last at a ratio of 1e-9. The
+    /// limit is a fifth root, with an error of 1.4e-4.
     fn error_of_limit<R: Real>(ratio: f64) -> f64 {
         let frequency = 300.0;
         let time_step = R::from_f64(1e-3);
@@ -99,7 +100,7 @@ mod tests {
     fn a_damping_below_rounding_bounds_the_step_in_both_precisions() {
         for ratio in [1e-20, 1e-16, 1e-12, 1e-9] {
             for error in [error_of_limit::<f32>(ratio), error_of_limit::<f64>(ratio)] {
-                assert!(error.abs() < 2e-3, "ratio {ratio:e}: {error:e}");
+                assert!(error.abs() < 2e-4, "ratio {ratio:e}: {error:e}");
             }
         }
     }
