@@ -155,6 +155,9 @@ pub enum Requirement {
     /// Ground: the `bounds` are true.
     #[error("the bounds must be true of the surface")]
     GroundBounds,
+    /// Ground: `surface_under` returns the surface, or `None` for a contact that does not touch it.
+    #[error("surface_under must be the surface, or None for a contact that does not touch it")]
+    SurfaceUnder,
     /// Ground: the spring force is at least 0.
     #[error("the spring force must be at least 0, rounding included")]
     SpringPushes,
@@ -295,13 +298,13 @@ pub enum Input {
     },
     /// Point in the world.
     #[error("at the point {point} m")]
-    Place {
+    Point {
         /// Position, m, world axes.
         point: DVec3,
     },
     /// Displacement from one point to another.
     #[error("on the path from {from} m to {to} m")]
-    Way {
+    Displacement {
         /// Start, m, world axes.
         from: DVec3,
         /// End, m, world axes.
@@ -317,7 +320,7 @@ pub enum Input {
     },
     /// Penetrating contact.
     #[error("at depth {depth:e} m and closing speed {closing_speed:e} m/s")]
-    Press {
+    Penetration {
         /// Penetration depth, m.
         depth: f64,
         /// Closing speed, m/s.

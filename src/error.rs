@@ -309,10 +309,11 @@ pub enum StepError {
         /// Length of the step, s.
         seconds: f64,
     },
-    /// The step of the integrator took no time, or less time than the clock of the run resolves.
+    /// The step of the integrator took no time, less time than the clock of the run resolves, or no
+    /// finite time.
     /// The run would never end.
     #[error(
-        "a step must take more than 0 s, and long enough for the clock of the run to resolve it"
+        "a step must take a finite time above 0 s, long enough for the clock of the run to resolve it"
     )]
     Stalled,
     /// The time to advance by is negative or not finite, or the session's clock would overflow.

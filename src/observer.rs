@@ -73,7 +73,8 @@ pub trait Observer<R: Real = f64> {
     /// Default: `None`.
     ///
     /// Requested samples are in addition to those after each step. The times must increase: in one
-    /// step, an observer receives no more samples after a time that does not.
+    /// step, an observer receives no more samples after a time that does not. A time before the
+    /// start of the step is not sampled, and an infinite one is never reached.
     #[inline]
     fn requested_time(&self) -> Option<R> {
         None

@@ -87,6 +87,22 @@ pub trait Faces<R: Real = f64>: RigidPointBody<R> {
     fn basin(&self, down: R::Vec3) -> Option<Basin<Self::Face, R>>;
 }
 
+/// Implements the trait for a pointer to a body.
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<R: Real, B: Faces<R> + ?Sized> Faces<R> for $pointer {
+            type Face = B::Face;
+
+            fn basin(&self, down: R::Vec3) -> Option<Basin<B::Face, R>> {
+                (**self).basin(down)
+            }
+        }
+    };
+}
+forward!(&B);
+#[cfg(feature = "std")]
+forward!(alloc::boxed::Box<B>);
+
 /// Directions of a body that belong to one face, with the height of their boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basin<F, R = f64> {
@@ -104,6 +120,16 @@ pub enum Outcome<F> {
     Decided(F),
     /// The energy suffices to leave the basin, or the bound is too weak to exclude it.
     Undecided,
+}
+
+/// The face, or `undecided`.
+impl<F: core::fmt::Display> core::fmt::Display for Outcome<F> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Decided(face) => face.fmt(f),
+            Self::Undecided => f.pad("undecided"),
+        }
+    }
 }
 
 /// Energy barriers between the faces of a body on level ground.

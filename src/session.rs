@@ -293,8 +293,7 @@ where
             return self.step_up_to(limit);
         }
         let error = if limit == R::ZERO {
-            let quantity = self.state.not_finite();
-            quantity.map(|quantity| self.state.error_of(quantity))
+            self.state.check().err()
         } else {
             Some(StepError::BadLimit {
                 seconds: limit.to_f64(),
@@ -698,6 +697,24 @@ mod tests {
     }
 
     /// The step size that an adaptive method has chosen is part of a session.
+    #[test]
+    fn a_step_of_no_time_refuses_the_states_that_a_step_refuses() {
+        let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
+        let mut none = State::at(glam::DVec3::Z);
+        none.orientation = glam::DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        let fast = State::default().with_linear_velocity(glam::DVec3::X * f64::NAN);
+        for state in [none, fast] {
+            let of_step = stepper.session(state).step().unwrap_err();
+            let of_none = stepper.session(state).step_within(0.0).unwrap_err();
+            let quantities = [of_none, of_step].map(|error| match error {
+                StepError::BadState { quantity, .. } => Some(quantity),
+                _ => None,
+            });
+            assert!(quantities[0].is_some());
+            assert_eq!(quantities[0], quantities[1]);
+        }
+    }
+
     #[test]
     fn an_impulse_that_is_refused_changes_no_session() {
         let stepper = Stepper::builder(Coin::ring(1.0, 0.5))

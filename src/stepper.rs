@@ -606,8 +606,10 @@ where
         let mut last = None;
         while let Some(time) = observer.requested_time() {
             let asked = self.end_at(end_of_run.or_at(time));
+            let is_ahead = !time.is_finite() || !asked.is_reached(clock);
+            let is_past = asked.is_reached(&before.clock) && !asked.is_here(&before.clock);
             // An observer that does not move on would be asked for ever.
-            if !asked.is_reached(clock) || last.is_some_and(|last| time <= last) {
+            if is_ahead || is_past || last.is_some_and(|last| time <= last) {
                 break;
             }
             last = Some(time);

@@ -355,6 +355,17 @@ pub enum CoinFace {
     Edge,
 }
 
+/// In words, for example `heads`.
+impl core::fmt::Display for CoinFace {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Heads => "heads",
+            Self::Tails => "tails",
+            Self::Edge => "edge",
+        })
+    }
+}
+
 impl CoinFace {
     /// Face that points up, by the z component of the unit vector out of heads.
     pub(super) fn up<R: Real>(up: R) -> Self {

@@ -135,6 +135,20 @@ pub enum CuboidFace {
     MinusZ,
 }
 
+/// As the direction out of the body, for example `-x`.
+impl core::fmt::Display for CuboidFace {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::X => "+x",
+            Self::MinusX => "-x",
+            Self::Y => "+y",
+            Self::MinusY => "-y",
+            Self::Z => "+z",
+            Self::MinusZ => "-z",
+        })
+    }
+}
+
 impl CuboidFace {
     const PAIRS: [[Self; 2]; 3] = [
         [Self::MinusX, Self::X],

@@ -113,7 +113,7 @@ impl<R: Real> MassProperties<R> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if the mass is not finite, or a size is negative or not finite. For a
-    /// tip that points down, use [`turned`](Self::turned).
+    /// tip that points down, use [`rotated`](Self::rotated).
     pub fn cone(mass: R, radius: R, height: R) -> Result<Self, SceneError> {
         finite_mass(mass)?;
         error::at_least_zero("radius of the cone", radius, " m")?;

@@ -10,7 +10,7 @@ use crate::rotation::Rotation;
 /// Mass distribution of a body or of a part of it: mass, centre of mass and inertia.
 ///
 /// Homogeneous solids are centred at the origin unless stated otherwise. Their axis of symmetry, if
-/// any, is z. [`at`](Self::at) and [`turned`](Self::turned) move them, and [`with`](Self::with)
+/// any, is z. [`at`](Self::at) and [`rotated`](Self::rotated) move them, and [`with`](Self::with)
 /// joins them by the parallel-axis theorem. A part of negative mass is a hole.
 ///
 /// Vectors are glam's `DVec3` or `Vec3`, which sets the precision.
@@ -108,7 +108,7 @@ impl<R: Real> MassProperties<R> {
 
     /// Returns the distribution rotated about the origin: centre of mass `Q c`, inertia `Q J Qᵀ`.
     #[must_use]
-    pub fn turned(self, rotation: Rotation<R>) -> Self {
+    pub fn rotated(self, rotation: Rotation<R>) -> Self {
         let axes = rotation.axes();
         let turn = |columns: [R::Vec3; 3]| columns.map(|column| axes.to_world(column));
         // Q (Q J)ᵀ, which is symmetric as J is.
@@ -200,12 +200,12 @@ impl<R: Real> MassProperties<R> {
         let mut volume = Volume::about(vertices)?;
         for &corners in triangles {
             let [Some(a), Some(b), Some(c)] = corners.map(|corner| vertices.get(corner)) else {
-                let count = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
+                let last = vertices.len().saturating_sub(1);
                 let beyond = corners.into_iter().max().unwrap_or_default();
                 return Err(SceneError::new(
-                    "number of vertices of the mesh",
-                    Rule::AtLeast(u32::try_from(beyond).unwrap_or(u32::MAX).saturating_add(1)),
-                    f64::from(count),
+                    "index of a vertex in a triangle of the mesh",
+                    Rule::AtMost(last),
+                    f64::from_usize(beyond),
                     "",
                 ));
             };

@@ -62,7 +62,7 @@ impl<R: Real> Contact<R> {
     ) -> Option<Self> {
         let centre_arm = motion.axes.to_world(point.position);
         let centre = motion.position + centre_arm;
-        let under = ground.surface(centre);
+        let under = ground.surface_under(centre, point.radius)?;
         let depth = point.radius - under.gap;
         (depth > R::ZERO).then(|| {
             let normal = under.normal;

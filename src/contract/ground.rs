@@ -157,13 +157,14 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     }
 
     fn surface_at(&self, place: R::Vec3, direction: R::Vec3) -> Result<(), Violation> {
-        let input = || Input::Place {
+        let input = || Input::Point {
             point: wide::<R>(place),
         };
         let surface = self.ground.surface(place);
         demand_finite(surface.gap, input)?;
         let off = (surface.normal.length() - R::ONE).abs();
         demand_at_most(off, ulps(32.0), Requirement::UnitNormal, input)?;
+        self.under_is_surface(&surface, place)?;
         self.bounds_hold_at(place)?;
         self.motion_along(&surface, place)?;
         if self.ground.bounds() == GroundBounds::Nowhere {
@@ -177,12 +178,33 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         Ok(())
     }
 
+    /// Checks the surface for contacts without a radius, and with one that touches by rounding or
+    /// does not.
+    fn under_is_surface(&self, surface: &Surface<R>, place: R::Vec3) -> Result<(), Violation> {
+        let rounding = (place.length() + self.range.size) * ulps(32.0);
+        let near = surface.gap.abs();
+        let touching = near + rounding * R::from_f64(16.0);
+        for radius in [R::ZERO, near * R::HALF, touching] {
+            let least = match self.ground.surface_under(place, radius) {
+                None => radius - rounding,
+                Some(under) if under == *surface => continue,
+                Some(_) => R::MAX,
+            };
+            demand_at_least(surface.gap, least, Requirement::SurfaceUnder, || {
+                Input::Point {
+                    point: wide::<R>(place),
+                }
+            })?;
+        }
+        Ok(())
+    }
+
     /// Checks that the material of a ground that moves stays on its surface.
     fn motion_along(&self, surface: &Surface<R>, place: R::Vec3) -> Result<(), Violation> {
         let Some(motion) = self.ground.motion() else {
             return Ok(());
         };
-        let input = || Input::Place {
+        let input = || Input::Point {
             point: wide::<R>(place),
         };
         let foot = place - surface.normal * surface.gap;
@@ -222,7 +244,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
             (change - expected).abs(),
             slack,
             Requirement::GapAlongNormal,
-            || Input::Way {
+            || Input::Displacement {
                 from: wide::<R>(a),
                 to: wide::<R>(b),
             },
@@ -257,14 +279,14 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     fn nowhere_holds_at(&self, place: R::Vec3) -> Result<(), Violation> {
         let gap = self.ground.surface(place).gap;
         demand_at_least(gap, self.range.size, Requirement::GroundBounds, || {
-            Input::Place {
+            Input::Point {
                 point: wide::<R>(place),
             }
         })
     }
 
     fn plane_holds_at(&self, plane: &Plane<R>, place: R::Vec3) -> Result<(), Violation> {
-        let input = || Input::Place {
+        let input = || Input::Point {
             point: wide::<R>(place),
         };
         let surface = self.ground.surface(place);
@@ -287,7 +309,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         }
         let bound = above - self.rounding(plane, place);
         let gap = self.ground.surface(place).gap;
-        demand_at_least(gap, bound, Requirement::GroundBounds, || Input::Place {
+        demand_at_least(gap, bound, Requirement::GroundBounds, || Input::Point {
             point: wide::<R>(place),
         })
     }
@@ -323,7 +345,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
     }
 
     fn law_at(&self, depth: R, closing_speed: R) -> Result<(), Violation> {
-        let input = || Input::Press {
+        let input = || Input::Penetration {
             depth: depth.to_f64(),
             closing_speed: closing_speed.to_f64(),
         };
@@ -347,7 +369,7 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized> Check<'_, R, G> {
         demand_finite(end, input)?;
         // A formula's terms may be as large as the largest force makes them.
         let largest = self.ground.spring_force(self.range.depth);
-        demand_finite(largest, || Input::Press {
+        demand_finite(largest, || Input::Penetration {
             depth: self.range.depth.to_f64(),
             closing_speed: 0.0,
         })?;

@@ -64,6 +64,10 @@ impl<R: Real, L: ContactLaw<R>, S: Shape<R>> SpringDamperGround<R> for Ground<L,
         self.shape.surface(point)
     }
     #[inline]
+    fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
+        self.shape.surface_under(centre, radius)
+    }
+    #[inline]
     fn spring_force(&self, depth: R) -> R {
         self.law.spring_force(depth)
     }

@@ -176,7 +176,10 @@ fn zero<R: Real>(quantity: &'static str, value: R, unit: &'static str) -> Result
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// *Limits:* the motion is constant, so a body does not slow the ground. A body on a moving ground
+/// *Limits:* the material moves, and what is stated in world axes stays: the shape, the region of a
+/// [`FrictionPatch`](crate::FrictionPatch), and the grain of an
+/// [`AnisotropicCoulomb`](crate::AnisotropicCoulomb). So a carpet cannot turn with a turntable. The
+/// motion is constant, so a body does not slow the ground. A body on a moving ground
 /// never falls asleep, and its outcome is never proved. When a scene is composed, a motion across
 /// the surface is refused for planes only. For other shapes
 /// [`check_ground`](crate::contract::check_ground) finds it.
@@ -221,6 +224,11 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for MovingGround<G
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         self.ground.surface(point)
+    }
+
+    #[inline]
+    fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
+        self.ground.surface_under(centre, radius)
     }
 
     #[inline]

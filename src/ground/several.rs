@@ -74,6 +74,7 @@ macro_rules! methods_of_one {
 }
 methods_of_one! {
     surface(point: R::Vec3) -> Surface<R>, else NoGround.surface(point);
+    surface_under(centre: R::Vec3, radius: R) -> Option<Surface<R>>, else None;
     spring_force(depth: R) -> R, else R::ZERO;
     spring_energy(depth: R) -> R, else R::ZERO;
     normal_force(depth: R, closing_speed: R) -> R, else R::ZERO;

@@ -52,6 +52,17 @@ pub trait Shape<R: Real = f64> {
     /// there.
     fn surface(&self, point: R::Vec3) -> Surface<R>;
 
+    /// Returns the surface as [`surface`](Self::surface) does, or `None` if a contact with this
+    /// centre (m, world axes) and radius (m) does not touch it for certain.
+    ///
+    /// Override this method if that is cheaper to find out than the distance. A step asks for each
+    /// contact that the [`bounds`](Self::bounds) do not exclude. Default: the surface.
+    #[inline]
+    fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
+        let _ = radius;
+        Some(self.surface(centre))
+    }
+
     /// Region that the ground can occupy. Default: everywhere.
     #[inline]
     fn bounds(&self) -> GroundBounds<R> {
@@ -89,6 +100,10 @@ macro_rules! forward {
             #[inline]
             fn surface(&self, point: R::Vec3) -> Surface<R> {
                 (**self).surface(point)
+            }
+            #[inline]
+            fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
+                (**self).surface_under(centre, radius)
             }
             #[inline]
             fn bounds(&self) -> GroundBounds<R> {

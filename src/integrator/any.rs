@@ -158,15 +158,13 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
 
     fn step_control(&self, workspace: &Workspace<R>, state: &State<R>) -> Option<StepControl<R>> {
         match self {
-            Self::BogackiShampine32(method) => method.step_control(workspace.pair.as_ref()?, state),
-            Self::DormandPrince54(method) => method.step_control(workspace.pair.as_ref()?, state),
-            Self::Radau5(method) => method.step_control(workspace.pair.as_ref()?, state),
+            Self::BogackiShampine32(method) => control_of(method, workspace.pair.as_ref(), state),
+            Self::DormandPrince54(method) => control_of(method, workspace.pair.as_ref(), state),
+            Self::Radau5(method) => control_of(method, workspace.pair.as_ref(), state),
             Self::AdaptiveEnergyMomentum(method) => {
-                method.step_control(workspace.adaptive.as_ref()?, state)
+                control_of(method, workspace.adaptive.as_ref(), state)
             }
-            Self::AdaptiveNystrom(method) => {
-                method.step_control(workspace.nystrom.as_ref()?, state)
-            }
+            Self::AdaptiveNystrom(method) => control_of(method, workspace.nystrom.as_ref(), state),
             _ => None,
         }
     }
@@ -200,6 +198,18 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
 
     fn check(&self) -> Result<(), SceneError> {
         each!(self, method => method.check())
+    }
+}
+
+/// Choice of the next step by a method, whose workspace is new before its first step.
+fn control_of<R: Real, I: Integrator<R>>(
+    method: &I,
+    workspace: Option<&I::Workspace>,
+    state: &State<R>,
+) -> Option<StepControl<R>> {
+    match workspace {
+        Some(workspace) => method.step_control(workspace, state),
+        None => method.step_control(&I::Workspace::default(), state),
     }
 }
 

@@ -110,8 +110,14 @@ pub use workspace::Workspace;
 /// ```
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
-///   the damper force. The exception is a smooth body in a valley that is more curved than itself,
-///   whose force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
+///   the damper force. The order is 1 in three cases: a touch-down under a friction that is not
+///   proportional to the load ([`LoadDependentCoulomb`](crate::LoadDependentCoulomb)), a contact
+///   that crosses an edge of a [`Block`](crate::Block), and a smooth body in a valley that is more
+///   curved than itself, whose force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
+/// - *Two laws act otherwise* than in explicit methods, at any step size: a friction whose force
+///   leaves the surface ([`AnisotropicCoulomb`](crate::AnisotropicCoulomb) away from its plane),
+///   and a torque about an axis without inertia (a [`Rod`](crate::Rod) with
+///   [`WithResistance`](crate::WithResistance)).
 /// - *Conserves* the energy if nothing dissipates it, to the rounding of each step. The exception
 ///   is a step whose equations have no solution even in its smallest parts (reported by
 ///   `fallback`). It may lose any part of the energy. Such steps are rare, and need hard ground

@@ -88,6 +88,14 @@ impl<R: Real, G: SpringDamperGround<R> + ?Sized, I: Inspector<R>> SpringDamperGr
         surface
     }
     #[inline(always)]
+    fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
+        let surface = self.ground.surface_under(centre, radius)?;
+        if !self.ground.is_trusted() {
+            self.inspector.surface(&surface, centre, self.reach);
+        }
+        Some(surface)
+    }
+    #[inline(always)]
     fn spring_force(&self, depth: R) -> R {
         let force = self.ground.spring_force(depth);
         if !self.ground.is_trusted() {

@@ -528,7 +528,7 @@ fn a_surface_must_be_closed_and_turned_outwards() {
     );
     assert_eq!(
         mesh(&[[0, 1, 4]]).unwrap_err().to_string(),
-        "number of vertices of the mesh must be at least 5, got 4"
+        "index of a vertex in a triangle of the mesh must be at most 3, got 4"
     );
     assert_eq!(
         mesh(&[]).unwrap_err().to_string(),
@@ -940,6 +940,30 @@ fn a_law_whose_stiffness_overflows_is_refused_where_it_is_made() {
         assert_eq!(error.quantity, "stiffness of the ground");
         assert_eq!(error.rule, Rule::Finite);
         assert!(error.value.is_infinite());
+    }
+}
+
+#[test]
+fn a_law_whose_stiffness_is_rounded_to_zero_is_refused_where_it_is_made() {
+    let carried = Carried {
+        mass: 1e-30,
+        contacts: 4,
+    };
+    let impact = Impact {
+        speed: 1.0,
+        restitution: 0.5,
+    };
+    let errors = [
+        SpringDamper::from_bounce(carried, 0.5, 1e160).unwrap_err(),
+        SpringDamper::from_rest(carried, 0.5, 1e300, 1e-300).unwrap_err(),
+        LimitedDamper::from_bounce(carried, 0.5, 1e160).unwrap_err(),
+        HuntCrossley::from_bounce(carried, 1.5, impact, 1e200).unwrap_err(),
+        HuntCrossley::from_contact_time(carried, 1.5, impact, 1e200).unwrap_err(),
+        HuntCrossley::from_rest(carried, 1.5, impact, 1e250, 9.8).unwrap_err(),
+    ];
+    for error in errors {
+        assert_eq!(error.quantity, "stiffness of the ground");
+        assert_eq!((error.rule, error.value), (Rule::AboveZero, 0.0));
     }
 }
 
@@ -2815,7 +2839,7 @@ impl Anything {
         let _ = self.live_with(&coin);
         let places: Vec<_> = points.clone().map(|point| point.position).collect();
         let part = MassProperties::cone(mass, radius, thickness)
-            .map(|cone| cone.turned(self.state().rotation()));
+            .map(|cone| cone.rotated(self.state().rotation()));
         let whole = match (MassProperties::hull(mass, &places), part) {
             (Ok(hull), Ok(part)) => Ok(hull.with(&part)),
             (one, other) => one.or(other),

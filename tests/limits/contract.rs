@@ -559,6 +559,7 @@ struct Any {
     spring_energy: fn(f64) -> f64,
     normal_force: fn(f64, f64) -> f64,
     extent: GroundBounds,
+    under: Option<fn(DVec3, f64) -> Option<Surface>>,
     mean_force: Option<fn(f64, f64, f64) -> MeanForce>,
 }
 
@@ -572,6 +573,7 @@ const RIGHT: Any = Any {
     spring_energy: |depth| 5e2 * depth * depth,
     normal_force: |depth, speed| (1e3 * depth + 2.0 * speed).max(0.0),
     extent: GroundBounds::Everywhere,
+    under: None,
     mean_force: None,
 };
 
@@ -587,6 +589,11 @@ impl SpringDamperGround for Any {
     }
     fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
         (self.normal_force)(depth, closing_speed)
+    }
+    fn surface_under(&self, centre: DVec3, radius: f64) -> Option<Surface> {
+        let surface = (self.surface)(centre);
+        self.under
+            .map_or(Some(surface), |under| under(centre, radius))
     }
     fn bounds(&self) -> GroundBounds {
         self.extent
@@ -700,7 +707,7 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
     };
     let violation = fault_of_ground(&step);
     assert_eq!(violation.requirement, Requirement::GapAlongNormal);
-    let Input::Way { from, to } = violation.input else {
+    let Input::Displacement { from, to } = violation.input else {
         panic!("{violation}");
     };
     assert!(from.x.min(to.x) <= 0.0 && from.x.max(to.x) > 0.0);
@@ -720,6 +727,32 @@ fn a_surface_whose_normal_is_not_that_of_its_gap_is_caught() {
         ..RIGHT
     };
     assert_eq!(fault_of_ground(&nothing).requirement, Requirement::Finite);
+}
+
+#[test]
+fn a_surface_under_a_contact_that_is_another_one_or_missing_is_caught() {
+    let wrong: [fn(DVec3, f64) -> Option<Surface>; 3] = [
+        // A contact with a radius is left out until its centre is below ground.
+        |point, _| (point.z < 0.0).then(|| (RIGHT.surface)(point)),
+        // One that is 1e-9 m deep is left out.
+        |point, radius| (point.z < radius - 1e-9).then(|| (RIGHT.surface)(point)),
+        |point, _| {
+            Some(Surface {
+                gap: point.z * (1.0 + 1e-12),
+                normal: DVec3::Z,
+            })
+        },
+    ];
+    for under in wrong {
+        let under = Some(under);
+        let violation = fault_of_ground(&Any { under, ..RIGHT });
+        let requirement = violation.requirement;
+        assert_eq!(requirement, Requirement::SurfaceUnder, "{violation}");
+    }
+    let right: fn(DVec3, f64) -> Option<Surface> =
+        |point, radius| (point.z < radius).then(|| (RIGHT.surface)(point));
+    let under = Some(right);
+    check_ground(&Any { under, ..RIGHT }, &RANGE, CheckPlan::default()).unwrap();
 }
 
 #[test]
@@ -820,7 +853,7 @@ fn a_ground_that_pulls_is_caught_with_depth_and_speed() {
     };
     let violation = fault_of_ground(&glue);
     assert_eq!(violation.requirement, Requirement::NeverPulls);
-    let Input::Press {
+    let Input::Penetration {
         depth,
         closing_speed,
     } = violation.input

@@ -14,8 +14,8 @@ use tumble::f64::{Capsule, Cone, MassProperties, Rotation};
 use tumble::glam::{DMat3, DQuat, DVec3, Vec3};
 use tumble::{
     AnyIntegrator, Coin, CoinFace, ContactPoint, Coulomb, Cuboid, CuboidFace, Disc, Ellipsoid,
-    EnergyMomentum, FlatGround, InertiaProperties, PointCloud, PointMass, RigidPointBody, Rim, Rk4,
-    Rod, Solid, SolidCoin, Sphere, State, SymplecticEuler, ThickDisc, UniformGravity,
+    EnergyMomentum, FlatGround, InertiaProperties, Outcome, PointCloud, PointMass, RigidPointBody,
+    Rim, Rk4, Rod, Solid, SolidCoin, Sphere, State, SymplecticEuler, ThickDisc, UniformGravity,
 };
 
 /// Both within so many units in the last place of the largest entry, centre of mass and size; a
@@ -50,7 +50,32 @@ fn edges() -> impl Strategy<Value = DVec3> {
 }
 
 fn turned(distribution: MassProperties, q: DQuat) -> MassProperties {
-    distribution.turned(Rotation::from_quat(q))
+    distribution.rotated(Rotation::from_quat(q))
+}
+
+#[test]
+fn faces_and_outcomes_are_written_as_words() {
+    let sides = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+        let die = Cuboid::cube(1.0, 0.1);
+        let up = |axis| {
+            let turn = DQuat::from_rotation_arc(axis, DVec3::Z);
+            die.face_up(&State::default().with_orientation(turn))
+                .unwrap()
+        };
+        format!("{} {}", up(axis), up(-axis))
+    });
+    assert_eq!(sides, ["+x -x", "+y -y", "+z -z"]);
+    let faces = [CoinFace::Heads, CoinFace::Tails, CoinFace::Edge];
+    assert_eq!(
+        faces.map(|face| face.to_string()),
+        ["heads", "tails", "edge"]
+    );
+    assert_eq!(
+        format!("{:>6}|", Outcome::Decided(CoinFace::Heads)),
+        " heads|"
+    );
+    let undecided = Outcome::<CuboidFace>::Undecided;
+    assert_eq!(undecided.to_string(), "undecided");
 }
 
 proptest! {

@@ -4,6 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
+use core::cell::Cell;
 use core::f64::consts::{PI, TAU};
 
 use crate::kit::erased::Stepper;
@@ -146,6 +147,25 @@ proptest! {
             prop_assert!((surface.gap - gap).abs() < of_gap * 10.0, "{} for {gap}", surface.gap);
             prop_assert!((surface.normal - normal).length() < of_normal * 10.0, "{} for {normal}", surface.normal);
         }
+    }
+
+    /// The surface under a contact is that of its centre, to the last bit. A bare point above the
+    /// terrain is left out after one elevation.
+    #[test]
+    fn a_bare_point_above_a_terrain_costs_one_elevation(x in -2.0..2.0_f64, y in -2.0..2.0_f64, gap in -0.5..0.5_f64, radius in 0.0..0.3_f64, curvatures in [-1.0..1.0_f64, -1.0..1.0_f64]) {
+        let asked = Cell::new(0);
+        let bowl = Bowl { curvatures };
+        let terrain = Terrain::of(|x: f64, y: f64| {
+            asked.set(asked.get() + 1);
+            bowl.elevation(x, y)
+        });
+        let centre = DVec3::new(x, y, bowl.elevation(x, y).height + gap);
+        let surface = terrain.surface(centre);
+        prop_assert_eq!(terrain.surface_under(centre, radius), Some(surface));
+        asked.set(0);
+        let under = terrain.surface_under(centre, 0.0);
+        prop_assert_eq!(under, (gap < 0.0).then_some(surface));
+        prop_assert!(gap < 0.0 || asked.get() == 1, "{} elevations", asked.get());
     }
 
     /// A level terrain is a plane, and a bowl of no curvature is level, to the last place.

@@ -16,10 +16,11 @@ use tumble::glam::{DQuat, DVec3, Vec3};
 use tumble::integrator::EnergyMomentumWorkspace;
 use tumble::real::{Matrix, Vector};
 use tumble::{
-    AirDrag, Block, Capsule, Coin, ContactPoint, Coulomb, Cuboid, Disc, Ellipsoid, EnergyMomentum,
-    FlatGround, Frictionless, Ground, InertiaProperties, Integrator, Plane, PointCloud, Real,
-    RigidPointBody, Rod, SlidingFriction, SmoothCoulomb, SolidCoin, Sphere, SpringDamper,
-    SpringDamperGround, State, Terrain, Trial, UniformGravity, Viscous, Waves, Wind,
+    AirDrag, Block, Capsule, Coin, ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid,
+    EnergyMomentum, FlatGround, Frictionless, Ground, InertiaProperties, Integrator,
+    LoadDependentCoulomb, Plane, PointCloud, Real, RigidPointBody, Rod, SlidingFriction,
+    SmoothCoulomb, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, Terrain, Trial,
+    UniformGravity, Viscous, Waves, Wind,
 };
 
 const GRAVITY: f64 = 9.8;
@@ -112,6 +113,77 @@ fn trial_3_sticks_and_rolls_at_order_two_though_its_steps_do_not_resolve_the_sli
     assert!(errors[1].1 < 5e-7, "{errors:?}");
     let order = convergence(&errors);
     assert!((order - 2.0).abs() < 0.15, "{order}, {errors:?}");
+}
+
+/// Order of the error after this time (s), with steps from 1 ms down to 1/32 ms.
+fn order_of(
+    body: impl RigidPointBody + Copy,
+    ground: impl SpringDamperGround + Copy,
+    friction: impl SlidingFriction + Copy,
+    (start, spin, seconds): (State, DVec3, f64),
+) -> f64 {
+    let end = |stepper: &dyn Fn(&mut State)| {
+        let mut state = start.with_angular_momentum(body.inertia() * spin);
+        stepper(&mut state);
+        state.position
+    };
+    let exact = scene(body, ground, friction, 1e-3)
+        .with_integrator(DormandPrince54::new(1e-11))
+        .unwrap();
+    let truth = end(&|state| exact.advance(state, seconds).map(|_| ()).unwrap());
+    let errors = [1, 2, 4, 8, 16, 32].map(|part| {
+        let step = 1e-3 / f64::from(part);
+        let stepper = scene(body, ground, friction, step);
+        let there = end(&|state| stepper.advance(state, seconds).map(|_| ()).unwrap());
+        (step, (there - truth).length())
+    });
+    convergence(&errors)
+}
+
+/// A ball that bounces and slides. The friction of the mean load of a step is not the mean friction
+/// where the friction is not proportional to the load.
+#[test]
+fn friction_that_is_not_proportional_to_the_load_has_order_one_at_touch_downs() {
+    let ground = FlatGround::level(1e4, 20.0);
+    let ball = Sphere::solid(1.0, 0.1);
+    let start = State::at(DVec3::Z * 0.15).with_linear_velocity(DVec3::new(2.0, 0.0, -0.3));
+    let throw = (start, DVec3::Y * 3.0, 0.45);
+    let proportional = Coulomb {
+        coefficient: 0.3,
+        slip_speed: 1e-2,
+    };
+    let order = order_of(ball, ground, proportional, throw);
+    assert!((order - 2.0).abs() < 0.15, "{order}");
+    let falling = LoadDependentCoulomb {
+        coefficient: 0.3,
+        transition_load: 5.0,
+        slip_speed: 1e-2,
+    };
+    let order = order_of(ball, ground, falling, throw);
+    assert!((0.7..1.5).contains(&order), "{order}");
+}
+
+/// A cube that slides without friction, over the edge of a block and on a plane.
+#[test]
+fn a_contact_that_crosses_an_edge_of_a_block_has_order_one() {
+    let law = SpringDamper {
+        stiffness: 1e4,
+        damping: 20.0,
+    };
+    let cube = Cuboid::cube(1.0, 0.1);
+    let start = State::at(DVec3::new(0.26, 0.0, 0.09))
+        .with_rotation_vector(DVec3::new(0.3, 0.2, 0.1))
+        .with_linear_velocity(DVec3::new(0.6, 0.1, 0.0));
+    let throw = (start, DVec3::new(0.2, 1.0, 0.3), 0.3);
+    let block = Block {
+        centre: DVec3::NEG_Z,
+        half: DVec3::new(0.3, 0.3, 1.0),
+    };
+    let order = order_of(cube, Ground { law, shape: block }, Frictionless, throw);
+    assert!((0.4..1.6).contains(&order), "{order}");
+    let shape = Plane::level(0.0);
+    let order = order_of(cube, Ground { law, shape }, Frictionless, throw);
+    assert!(order > 1.75, "{order}");
 }
 
 /// A coin of the report that lies on a soft bed with all of its points, slides, spins and rocks.

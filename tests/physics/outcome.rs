@@ -125,6 +125,24 @@ fn a_state_below_a_barrier_that_is_too_high_may_leave_its_face() {
     assert!(tally.changed > 10, "{tally:?}");
 }
 
+/// A body is lent, or put into a box, with its faces.
+#[test]
+fn a_body_behind_a_pointer_has_its_outcomes() {
+    fn outcome<B: Faces>(body: B) -> Option<Outcome<B::Face>> {
+        let law = SpringDamper {
+            stiffness: 1e6,
+            damping: 10.0,
+        };
+        let state = State::at(DVec3::Z * 0.64).with_rotation_vector(DVec3::X * 0.1);
+        Some(on(body, level(law)).barriers()?.outcome(&state))
+    }
+    let body = die();
+    let owned = outcome(body);
+    let (lent, boxed) = (outcome(&body), outcome(Box::new(body)));
+    assert_eq!(owned, Some(Outcome::Decided(CuboidFace::Z)));
+    assert_eq!((lent, boxed), (owned, owned));
+}
+
 fn level<L: ContactLaw>(law: L) -> Ground<L, Plane> {
     let shape = Plane::level(0.3);
     Ground { law, shape }

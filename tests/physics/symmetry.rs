@@ -664,6 +664,10 @@ fn chosen_or_not<I: Integrator + Copy + Into<AnyIntegrator>>(method: I, name: &s
     ];
     assert_eq!(plain, chosen, "{name}");
     assert_eq!(chosen[0], chosen[1], "{name}");
+    // Also before the first step.
+    let (method_alone, any_alone) = (trial.stepper(method).unwrap(), trial.stepper(any).unwrap());
+    let new = method_alone.session(trial.state()).save();
+    assert_eq!(new, any_alone.session(trial.state()).save(), "{name}");
     let one = any as AnyIntegrator;
     assert_eq!(
         Integrator::<f64>::order(&one),

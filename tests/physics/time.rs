@@ -51,7 +51,59 @@ fn an_observer_that_goes_back_in_time_does_not_hold_a_run() {
     };
     let mut state = trial().state();
     stepper.run(&mut state, 0.1, &mut observer).unwrap();
-    assert_eq!(observer.seen, 2 * 20);
+    // Both times are past from the second step on.
+    assert_eq!(observer.seen, 2);
+}
+
+/// Requests these times, one after the other, and then none.
+struct Requests {
+    times: Vec<f64>,
+    seen: Vec<(f64, DVec3)>,
+}
+
+impl Observer for Requests {
+    fn observe(&mut self, _: &Sample<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    fn requested_time(&self) -> Option<f64> {
+        self.times.get(self.seen.len()).copied()
+    }
+    fn observe_requested(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+        self.seen.push((sample.time, sample.state.position));
+        ControlFlow::Continue(())
+    }
+}
+
+/// A time that is infinite or before the step has no state.
+#[test]
+fn a_requested_time_that_is_past_or_never_comes_is_not_sampled() {
+    let cases: [(&[f64], usize); 5] = [
+        (&[5e-3, f64::INFINITY, 0.03], 1),
+        (&[5e-3, f64::MAX, 0.03], 1),
+        (&[5e-3, f64::NAN, 0.03], 1),
+        (&[0.022, 0.011, 0.03], 1),
+        (&[-1.0, 0.03], 0),
+    ];
+    let fixed = trial().stepper(Rk4 { time_step: 0.01 }).unwrap();
+    let adaptive = trial().stepper(DormandPrince54::new(1e-6)).unwrap();
+    for (times, expected) in cases {
+        let request = || Requests {
+            times: times.to_vec(),
+            seen: Vec::new(),
+        };
+        let (mut of_fixed, mut of_adaptive) = (request(), request());
+        let (mut state, mut other) = (trial().state(), trial().state());
+        fixed.run(&mut state, 0.05, &mut of_fixed).unwrap();
+        adaptive.run(&mut other, 0.05, &mut of_adaptive).unwrap();
+        for seen in [&of_fixed.seen, &of_adaptive.seen] {
+            assert_eq!(seen.len(), expected, "{times:?}: {seen:?}");
+        }
+        for (time, place) in of_fixed.seen {
+            let mut there = trial().state();
+            fixed.advance(&mut there, time).unwrap();
+            assert_eq!(place, there.position, "{time} s of {times:?}");
+        }
+    }
 }
 
 /// [`Every`] counts samples, also those between steps, and begins with the first of a run.

@@ -62,7 +62,7 @@ fn row(row: &Row) -> Vec<String> {
     let interval = growths.map(|[growth, _]| growth.interval);
     let time = |time: Option<f64>| time.map_or("never".to_owned(), |t| format!("{t:.2}"));
     let faces = pair.decided.map(|decided| match decided {
-        Some((face, _)) => format!("{face:?}").to_lowercase(),
+        Some((face, _)) => face.to_string(),
         None => "undecided".to_owned(),
     });
     let decided = pair.decided.map(|decided| time(decided.map(|(_, t)| t)));

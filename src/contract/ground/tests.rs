@@ -120,7 +120,7 @@ fn a_gap_that_changes_too_fast_is_told_beside_what_rounding_explains() {
         Requirement::GapAlongNormal,
     );
     assert_to(1e-9, violation.value, 0.5 * short_path());
-    let Input::Way { from, to } = violation.input else {
+    let Input::Displacement { from, to } = violation.input else {
         panic!("{:?}", violation.input);
     };
     assert_to(1e-9, (to - from).length(), short_path());

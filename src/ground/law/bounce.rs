@@ -43,6 +43,7 @@ impl<R: Real> Carried<R> {
             damping: R::from_f64(2.0 * ratio * mass * frequency),
         };
         law.check()?;
+        error::above_zero("stiffness of the ground", law.stiffness, " N/m")?;
         Ok(law)
     }
 }

@@ -74,7 +74,7 @@ impl<R: Real> HuntCrossley<R> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
-    /// overflows.
+    /// overflows, or if the stiffness is rounded to 0.
     pub fn from_bounce(
         carried: Carried<R>,
         exponent: R,
@@ -106,7 +106,7 @@ impl<R: Real> HuntCrossley<R> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
-    /// overflows.
+    /// overflows, or if the stiffness is rounded to 0.
     pub fn from_contact_time(
         carried: Carried<R>,
         exponent: R,
@@ -139,6 +139,7 @@ impl<R: Real> HuntCrossley<R> {
             damping: R::from_f64(loss / speed),
         };
         law.check()?;
+        error::above_zero("stiffness of the ground", law.stiffness, " N/m^n")?;
         Ok(law)
     }
 
@@ -149,7 +150,7 @@ impl<R: Real> HuntCrossley<R> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
-    /// overflows.
+    /// overflows, or if the stiffness is rounded to 0.
     pub fn from_rest(
         carried: Carried<R>,
         exponent: R,
@@ -169,6 +170,7 @@ impl<R: Real> HuntCrossley<R> {
             damping: R::from_f64(loss / impact.speed.to_f64()),
         };
         law.check()?;
+        error::above_zero("stiffness of the ground", law.stiffness, " N/m^n")?;
         Ok(law)
     }
 

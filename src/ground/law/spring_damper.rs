@@ -38,7 +38,7 @@ impl<R: Real> SpringDamper<R> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
-    /// overflows.
+    /// overflows, or if the stiffness is rounded to 0.
     pub fn from_bounce(
         carried: Carried<R>,
         restitution: R,
@@ -58,7 +58,7 @@ impl<R: Real> SpringDamper<R> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
-    /// overflows.
+    /// overflows, or if the stiffness is rounded to 0.
     pub fn from_rest(
         carried: Carried<R>,
         restitution: R,

@@ -116,7 +116,8 @@ impl<R: Real> Elevation<R> {
 /// surface.
 ///
 /// With the hessian, a search costs 2 to 4 elevations near the surface. Without it, each iteration
-/// reduces the error by a factor of one over depth (or radius) times curvature.
+/// reduces the error by a factor of one over depth (or radius) times curvature. A point without a
+/// radius that lies above the terrain costs one elevation.
 ///
 /// *Limits:* depth and radius of a contact must be below the terrain's radius of curvature,
 /// 1/hessian. This also limits the radius of a ball in a valley. Beyond the limit several points of
@@ -144,7 +145,17 @@ impl<H> Terrain<H> {
 impl<R: Real, H: HeightField<R>> Shape<R> for Terrain<H> {
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
-        Foot::nearest(&self.height_field, point).surface(point)
+        Foot::below(&self.height_field, point)
+            .nearest(&self.height_field, point)
+            .surface(point)
+    }
+
+    /// The height of a bare point shows whether it is above the terrain, without a search.
+    #[inline]
+    fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
+        let foot = Foot::below(&self.height_field, centre);
+        let is_clear = radius <= R::ZERO && foot.clearance(centre) > foot.rounding(centre);
+        (!is_clear).then(|| foot.nearest(&self.height_field, centre).surface(centre))
     }
 
     #[inline]
@@ -193,9 +204,22 @@ impl<R: Real> Foot<R> {
         }
     }
 
+    /// Foot vertically below or above a point.
     #[inline]
-    fn nearest<H: HeightField<R>>(height_field: &H, point: R::Vec3) -> Self {
-        let mut foot = Self::at(height_field, point, point.x(), point.y());
+    fn below<H: HeightField<R>>(height_field: &H, point: R::Vec3) -> Self {
+        Self::at(height_field, point, point.x(), point.y())
+    }
+
+    /// Height of a point above the foot, m.
+    #[inline]
+    fn clearance(&self, point: R::Vec3) -> R {
+        point.z() - self.elevation.height
+    }
+
+    /// Foot nearest to a point, in a search that begins at this one.
+    #[inline]
+    fn nearest<H: HeightField<R>>(self, height_field: &H, point: R::Vec3) -> Self {
+        let mut foot = self;
         let mut step = foot.step(point);
         for _ in 1..ELEVATIONS {
             let rounding = foot.rounding(point);

@@ -84,9 +84,10 @@ use crate::state::State;
 ///   and each one states its error.
 /// - *Limit:* a contact that closes and opens again within half a step is not detected. So
 ///   `longest_step` must be shorter than such a contact that matters. The default is 0.01 s.
-/// - *Round rims:* where friction reverses on the arc of a [`Disc`](crate::Disc), the quadrature of
-///   `EnergyMomentum` has an error that shorter steps do not reduce, so neither does the tolerance.
-///   The estimate does not contain it.
+/// - *Round rims:* where friction reverses on the arc of a [`Disc`](crate::Disc) or
+///   [`ThickDisc`](crate::ThickDisc), the quadrature of `EnergyMomentum` has an error that shorter
+///   steps do not reduce, so neither does the tolerance. The estimate does not contain it. Nor does
+///   it contain the difference of the two laws that act otherwise in [`EnergyMomentum`].
 /// - *Small tolerances:* an error below the rounding of the state counts as allowed. Steps that are
 ///   very short lose motion to rounding, as described for slow motion in
 ///   [`guide::accuracy`](crate::guide::accuracy).

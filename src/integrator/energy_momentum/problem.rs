@@ -605,6 +605,9 @@ impl<R: Real, G: SpringDamperGround<R>> SpringDamperGround<R> for Springs<'_, G>
     fn surface(&self, point: R::Vec3) -> Surface<R> {
         self.0.surface(point)
     }
+    fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
+        self.0.surface_under(centre, radius)
+    }
     fn spring_force(&self, depth: R) -> R {
         self.0.spring_force(depth)
     }

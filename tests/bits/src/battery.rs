@@ -409,7 +409,7 @@ fn first<R: Bits>(play: &mut PlayFirst<'_, R>) -> Result<(), SceneError> {
     )?;
     let turn = Rotation::<R>::from_rotation_vector(vector::<R>(0.3, -0.2, 0.5));
     let heavy = MassProperties::cuboid(real(1.0), edges)?
-        .with(&MassProperties::capsule(real(0.2), real(0.02), real(0.1))?.turned(turn))
+        .with(&MassProperties::capsule(real(0.2), real(0.02), real(0.1))?.rotated(turn))
         .with(&MassProperties::cone(real(0.3), real(0.05), real(0.1))?)
         .with(&hull);
     let loaded_die = Cuboid::loaded(edges, heavy).rounded(real(0.04));

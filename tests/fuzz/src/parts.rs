@@ -112,7 +112,7 @@ fn masses<R: Real>(input: &mut Input<'_>) -> Result<MassProperties<R>, SceneErro
     let mut masses = simple_masses(input)?;
     let changes = input.byte();
     if changes & 1 != 0 {
-        masses = masses.turned(Rotation::from_quat(input.quaternion::<R>()));
+        masses = masses.rotated(Rotation::from_quat(input.quaternion::<R>()));
     }
     if changes & 2 != 0 {
         masses = masses.at(input.vector::<R>(1e-3, 0.1));

@@ -225,7 +225,7 @@ fn rattleback() -> Result<Exhibit, SceneError> {
     let semi_axes = DVec3::new(0.2, 0.03, 0.02);
     let solid = MassProperties::ellipsoid(1.0, semi_axes)?;
     let askew = tumble::f64::Rotation::from_rotation_vector(DVec3::Z * 8.0_f64.to_radians());
-    let body = Ellipsoid::loaded(semi_axes, solid.turned(askew));
+    let body = Ellipsoid::loaded(semi_axes, solid.rotated(askew));
     let parameters = Parameters {
         body: 6.0,
         step: 5e-4,
