@@ -179,10 +179,10 @@ fn zero<R: Real>(quantity: &'static str, value: R, unit: &'static str) -> Result
 /// *Limits:* the material moves, and what is stated in world axes stays: the shape, the region of a
 /// [`FrictionPatch`](crate::FrictionPatch), and the grain of an
 /// [`AnisotropicCoulomb`](crate::AnisotropicCoulomb). So a carpet cannot turn with a turntable. The
-/// motion is constant, so a body does not slow the ground. A body on a moving ground
-/// never falls asleep, and its outcome is never proved. When a scene is composed, a motion across
-/// the surface is refused for planes only. For other shapes
-/// [`check_ground`](crate::contract::check_ground) finds it.
+/// motion is constant, so a body does not slow the ground. A body on a moving ground never falls
+/// asleep, and its outcome is never proved. When a scene is composed, a motion across the surface
+/// is refused for planes only. For other shapes [`check_ground`](crate::contract::check_ground)
+/// finds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
