@@ -34,6 +34,9 @@ where
     /// states. State and clock of the session are then those of the occurrence. The next call
     /// continues there.
     ///
+    /// *Cost* of a body at rest: each step evaluates the events, because their values may depend on
+    /// the time. [`advance`](Self::advance) counts all steps of a body at rest at once.
+    ///
     /// ```
     /// use tumble::glam::DVec3;
     /// use tumble::{EnergyMomentum, Event, EventEnd, FlatGround, Landing, PointMass, State};

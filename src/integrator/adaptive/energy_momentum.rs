@@ -92,7 +92,9 @@ use crate::state::State;
 ///   very short lose motion to rounding, as described for slow motion in
 ///   [`guide::accuracy`](crate::guide::accuracy).
 /// - *Errors:* a step that fails is repeated with a shorter one. Its error is returned if the step
-///   size falls below the rounding of `longest_step`.
+///   size falls below the rounding of `longest_step`. On a ground whose force is not that of its
+///   springs' energy no step is accurate, and the whole `budget` is spent:
+///   [`check_ground`](crate::contract::check_ground) finds such a ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AdaptiveEnergyMomentum<R = f64> {
