@@ -310,11 +310,8 @@ pub enum StepError {
         seconds: f64,
     },
     /// The step of the integrator took no time, less time than the clock of the run resolves, or no
-    /// finite time.
-    /// The run would never end.
-    #[error(
-        "a step must take a finite time above 0 s, long enough for the clock of the run to resolve it"
-    )]
+    /// finite time. The run would never end.
+    #[error("a step must take a finite time above 0 s that the clock of the run can resolve")]
     Stalled,
     /// The time to advance by is negative or not finite, or the session's clock would overflow.
     #[error(

@@ -74,7 +74,8 @@ pub trait Observer<R: Real = f64> {
     ///
     /// Requested samples are in addition to those after each step. The times must increase: in one
     /// step, an observer receives no more samples after a time that does not. A time before the
-    /// start of the step is not sampled, and an infinite one is never reached.
+    /// start of the step is not sampled, and an infinite one is never reached. Of two observers in a
+    /// pair the earlier time counts, so that one with a past time keeps the other from its samples.
     #[inline]
     fn requested_time(&self) -> Option<R> {
         None

@@ -53,7 +53,7 @@ pub trait Shape<R: Real = f64> {
     fn surface(&self, point: R::Vec3) -> Surface<R>;
 
     /// Returns the surface as [`surface`](Self::surface) does, or `None` if a contact with this
-    /// centre (m, world axes) and radius (m) does not touch it for certain.
+    /// centre (m, world axes) and radius (m) certainly does not touch it.
     ///
     /// Override this method if that is cheaper to find out than the distance. A step asks for each
     /// contact that the [`bounds`](Self::bounds) do not exclude. Default: the surface.

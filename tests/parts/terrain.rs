@@ -152,7 +152,13 @@ proptest! {
     /// The surface under a contact is that of its centre, to the last bit. A bare point above the
     /// terrain is left out after one elevation.
     #[test]
-    fn a_bare_point_above_a_terrain_costs_one_elevation(x in -2.0..2.0_f64, y in -2.0..2.0_f64, gap in -0.5..0.5_f64, radius in 0.0..0.3_f64, curvatures in [-1.0..1.0_f64, -1.0..1.0_f64]) {
+    fn a_bare_point_above_a_terrain_costs_one_elevation(
+        x in -2.0..2.0_f64,
+        y in -2.0..2.0_f64,
+        gap in -0.5..0.5_f64,
+        radius in 0.0..0.3_f64,
+        curvatures in [-1.0..1.0_f64, -1.0..1.0_f64],
+    ) {
         let asked = Cell::new(0);
         let bowl = Bowl { curvatures };
         let terrain = Terrain::of(|x: f64, y: f64| {
