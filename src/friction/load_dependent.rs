@@ -48,8 +48,6 @@ use crate::real::Real;
 ///   loads a tenth of the coefficient is left.
 /// - Above the yield pressure of the material, the area is proportional to N again. This law does
 ///   not include it.
-/// - [`EnergyMomentum`](crate::EnergyMomentum) takes the friction of the mean load of a step. In a
-///   step with a touch-down that is not the mean friction, so the order of the method is 1 there.
 /// - It does not stick. It creeps as [`Coulomb`] does with `coefficient(N)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

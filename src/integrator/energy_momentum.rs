@@ -6,8 +6,8 @@
 //! 0. `fly`: a step without a contact at both ends is a flight, without the stages 1 to 3.
 //! 1. `problem`, `gather`, `contacts`, `panels`, `touch`: the two momentum equations of the step,
 //!    the contacts that it may reach, and their mean forces along its path (`dual`, `answer`: the
-//!    unknowns of friction; `reversal`: friction that reverses along a rim; `lever`: contacts that
-//!    move over the body).
+//!    unknowns of friction; `partial`: its load at a touch-down; `reversal`: friction that reverses
+//!    along a rim; `lever`: contacts that move over the body).
 //! 2. `newton`, `balance`, `stiffness`: the solution of the equations (`level`: its arithmetic;
 //!    `hard`: contacts that the step does not resolve; `rolling`, `resistances`:
 //!    resistance to rolling and spinning, if the friction law has it). Only the residual of that
@@ -40,6 +40,7 @@ mod level;
 mod lever;
 mod newton;
 mod panels;
+mod partial;
 mod problem;
 mod resist;
 mod resistances;
@@ -110,10 +111,10 @@ pub use workspace::Workspace;
 /// ```
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
-///   the damper force. The order is 1 in three cases: a touch-down under a friction that is not
-///   proportional to the load ([`LoadDependentCoulomb`](crate::LoadDependentCoulomb)), a contact
-///   that crosses an edge of a [`Block`](crate::Block), and a smooth body in a valley that is more
-///   curved than itself, whose force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
+///   the damper force. The order is 1 in three cases: a friction law of your own that jumps to 0 with
+///   the load, at a touch-down, a contact that crosses an edge of a [`Block`](crate::Block), and a
+///   smooth body in a valley that is more curved than itself, whose force has no potential
+///   ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Two laws act otherwise* than in explicit methods, at any step size: a friction whose force
 ///   leaves the surface ([`AnisotropicCoulomb`](crate::AnisotropicCoulomb) away from its plane),
 ///   and a torque about an axis without inertia (a [`Rod`](crate::Rod) with
@@ -657,6 +658,9 @@ fn whole<R: Real, D: Dynamics<R>>(
     let strain = newton::solve(problem, contacts, &mut trial, step)?;
     let mut end = problem.end_of(&trial);
     let strain = strain.of_step(problem).with_arms(problem, contacts, &end);
+    if strain.hides_inertia() {
+        return None;
+    }
     let ahead = if strain.is_resolved() && !problem.resists_turning() {
         Ahead::NONE
     } else {

@@ -28,6 +28,11 @@ use crate::state::State;
 /// passes only distribute an impulse better.
 const PASSES: u32 = 4;
 
+/// Largest resistance of a point over the mass, as a part of `1/EPSILON`: it leaves the inertia
+/// six bits in equations that contain both. What a larger one leaves of the motions that it does
+/// not resist would be rounding, which may be of any size.
+pub(super) const MOST_OF_PRECISION: f64 = 1.0 / 64.0;
+
 /// A contact that resists, with its largest allowed impulses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resisting<R: Real> {
@@ -93,6 +98,8 @@ pub(super) struct Resistance<R: Real> {
     inertia: Matrix3<R>,
     impulse: R::Vec3,
     turning: R::Vec3,
+    /// Largest resistance of a point, kg.
+    most: R,
     active: bool,
 }
 
@@ -110,13 +117,15 @@ impl<R: Real> Resistance<R> {
             inertia,
             impulse: R::Vec3::ZERO,
             turning: R::Vec3::ZERO,
+            most: properties.mass() * (R::from_f64(MOST_OF_PRECISION) / R::EPSILON),
             active: false,
         }
     }
 
     /// Adds a point (m from the centre of mass, world axes) that resists the difference between its
     /// velocity and the target velocity (`departure`, m/s, before the impulses). The resistances
-    /// `along` and `across` the ground are in kg and at least 0. The impulse of the latter is along
+    /// `along` and `across` the ground are in kg and at least 0; they act up to a
+    /// [largest one](MOST_OF_PRECISION). The impulse of the latter is along
     /// `pushed`, which is the normal, or the normal with the friction of a unit load.
     pub(super) fn add(
         &mut self,
@@ -129,6 +138,7 @@ impl<R: Real> Resistance<R> {
             return;
         }
         self.active = true;
+        let [along, across] = [along.at_most(self.most), across.at_most(self.most)];
         let rising = departure.dot(normal);
         let up = R::Vec3::new(R::ZERO, R::ZERO, R::ONE);
         let is_level = normal == up && pushed == up;

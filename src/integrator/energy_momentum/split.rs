@@ -12,7 +12,7 @@ use super::gather::gather_all;
 use super::newton;
 use super::problem::{Forces, Problem};
 use super::resist::{Resisting, resisted};
-use super::shared::{End, visit_contacts};
+use super::shared::{End, motion_of, visit_contacts};
 use super::soften;
 use super::turning;
 use super::work;
@@ -69,22 +69,35 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 
 /// Applies friction and dampers to a body at a fixed pose for a time. Each contact resists with the
 /// force of its law at its velocity.
+///
+/// The load of friction has no more of a damper than what stops the contact's share of the mass. A
+/// damper that would stop it sooner has its force for a part of the time only.
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);
     let state = &turning::slowed(scene, state, seconds);
+    let touching = scene.load(&motion_of(scene, state)).touching;
+    let share = scene.inertia_properties().mass() / R::from_usize(touching.max(1));
     resisted(scene, bounding_radius, state, |motion, resist| {
         visit_contacts(scene, motion, &mut |contact| {
             let (ground, friction) = contact.laws(scene.ground(), scene.friction());
+            let spring = ground.spring_force(contact.depth);
             let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-            let damper = normal_force - ground.spring_force(contact.depth);
+            let damper = normal_force - spring;
+            let time = seconds * contact.weight;
+            let stops = share * contact.closing_speed.abs();
+            let load = if damper * time > stops {
+                spring + stops / time
+            } else {
+                normal_force
+            };
             resist(&Resisting {
                 place: contact.arm,
                 normal: contact.normal,
                 along: friction
-                    .force_at(contact.position, normal_force, contact.slip_velocity)
+                    .force_at(contact.position, load, contact.slip_velocity)
                     .length()
-                    * (seconds * contact.weight),
-                across: damper.abs() * (seconds * contact.weight),
+                    * time,
+                across: damper.abs() * time,
             });
         });
     })

@@ -10,6 +10,7 @@
 
 use super::contacts::Contacts;
 use super::problem::Problem;
+use super::resist::MOST_OF_PRECISION;
 use super::touch::Push;
 use crate::body::InertiaProperties;
 use crate::friction::FrictionJacobian;
@@ -98,6 +99,13 @@ impl<R: Real> Strain<R> {
     #[inline]
     pub(super) fn is_none(&self) -> bool {
         self.friction == R::ZERO && self.damping == R::ZERO
+    }
+
+    /// Returns true if the dampers hide the inertia in the rounding of their force. A trial may then
+    /// pass for a solution whatever its momentum is.
+    #[inline]
+    pub(super) fn hides_inertia(&self) -> bool {
+        self.damping * R::EPSILON > R::from_f64(MOST_OF_PRECISION)
     }
 
     #[inline]

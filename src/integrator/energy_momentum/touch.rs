@@ -2,6 +2,7 @@
 
 use super::dual::{Dual, on_disc};
 use super::lever::Lever;
+use super::partial;
 use super::problem::{Problem, TrialStep};
 use crate::body::ContactPoint;
 use crate::contact::MovingContact;
@@ -95,6 +96,16 @@ impl<R: Real> Push<R> {
     #[inline]
     pub(super) fn is_active(&self) -> bool {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
+    }
+
+    /// Part of the step for which the contact touches, if it is neither all nor nothing.
+    #[inline(always)]
+    fn part_in_contact(&self) -> Option<R> {
+        if (self.depth > R::ZERO) == (self.end_depth > R::ZERO) {
+            return None;
+        }
+        let deeper = self.depth.at_least(self.end_depth);
+        Some(deeper / (self.depth - self.end_depth).abs())
     }
 
     /// Number of contacts that the point represents, and its inverse. `None` if the body has no
@@ -268,12 +279,13 @@ impl<R: Real> Touch<R> {
         slip: R::Vec3,
     ) -> R::Vec3 {
         let (push, position) = (&self.push, self.friction_position(problem));
-        match push.weights(problem) {
-            Some([weight, each]) => {
-                problem.friction(push.surface, position, push.mean.force * each, slip) * weight
-            }
-            None => problem.friction(push.surface, position, push.mean.force, slip),
-        }
+        let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
+        let load = push.mean.force * each;
+        let friction = match push.part_in_contact() {
+            Some(part) => partial::friction(problem, push.surface, position, [load, part], slip),
+            None => problem.friction(push.surface, position, load, slip),
+        };
+        friction * weight
     }
 
     /// Resistance to rolling and spinning under a normal force (N).
@@ -285,7 +297,11 @@ impl<R: Real> Touch<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
         let law = problem.law(push.surface);
         let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
-        let of_one = law.rolling_resistance_at(position, normal_force * each)?;
+        let load = normal_force * each;
+        let of_one = match push.part_in_contact() {
+            Some(part) => partial::resistance(&law, position, [load, part])?,
+            None => law.rolling_resistance_at(position, load)?,
+        };
         Some(RollingResistance {
             rolling: of_one.rolling * weight,
             spinning: of_one.spinning * weight,
@@ -351,10 +367,12 @@ impl<R: Real> Touch<R> {
         slip: R::Vec3,
     ) -> FrictionJacobian<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
-        let Some([weight, each]) = push.weights(problem) else {
-            return problem.jacobian(push.surface, position, push.mean.force, slip);
+        let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
+        let load = push.mean.force * each;
+        let jacobian = match push.part_in_contact() {
+            Some(part) => partial::jacobian(problem, push.surface, position, [load, part], slip),
+            None => problem.jacobian(push.surface, position, load, slip),
         };
-        let jacobian = problem.jacobian(push.surface, position, push.mean.force * each, slip);
         FrictionJacobian {
             coefficient: jacobian.coefficient * weight,
             ..jacobian
