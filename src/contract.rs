@@ -193,6 +193,9 @@ pub enum Requirement {
     /// Friction: the force lies in the surface.
     #[error("friction must lie in the surface")]
     InSurface,
+    /// Friction: force and resistance are proportional to the load, if `is_proportional_to_load`.
+    #[error("friction and resistance must be proportional to the load, if is_proportional_to_load")]
+    ProportionalToLoad,
     /// Friction: without load there is no force.
     #[error("friction must be 0 without load")]
     NoLoadNoForce,

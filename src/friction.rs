@@ -179,6 +179,16 @@ pub trait SlidingFriction<R: Real = f64> {
         false
     }
 
+    /// Returns true if force and resistance are proportional to the normal force. Default: false.
+    ///
+    /// [`EnergyMomentum`](crate::EnergyMomentum) then takes the friction of a touch-down at the mean
+    /// load of the step. It is the same as at the load of the part of the step in which the contact
+    /// touches, and needs no division.
+    #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        false
+    }
+
     /// Resistance of a contact with `normal_force` (N) to rolling and spinning of the body, if the
     /// law has one. A law must return `Some` at every normal force, or `None` at every normal
     /// force.
@@ -280,6 +290,10 @@ macro_rules! forward {
                 (**self).depends_on_position()
             }
             #[inline]
+            fn is_proportional_to_load(&self) -> bool {
+                (**self).is_proportional_to_load()
+            }
+            #[inline]
             fn surfaces(&self) -> Option<usize> {
                 (**self).surfaces()
             }
@@ -374,6 +388,10 @@ impl<R: Real> SlidingFriction<R> for Frictionless {
     #[inline]
     fn jacobian(&self, _normal_force: R, _slip: R::Vec3) -> FrictionJacobian<R> {
         FrictionJacobian::NONE
+    }
+    #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        true
     }
     #[inline]
     fn is_trusted(&self) -> bool {

@@ -53,6 +53,8 @@ impl<R: Real> FrictionRange<R> {
 ///
 /// - If [`depends_on_position`](SlidingFriction::depends_on_position) is false, force and
 ///   resistance are the same at every position.
+/// - If [`is_proportional_to_load`](SlidingFriction::is_proportional_to_load) is true, half of a
+///   load gives half of the force and of the resistance, to 64 units of rounding.
 /// - The force is finite, lies in the surface, and opposes the slip (`force · slip <= 0`).
 /// - The force is 0 without load and 0 without slip. It has no jump at zero slip: as the slip falls
 ///   from 2·10⁻¹⁵⁰ m/s to a thousandth of it (from 2·10⁻¹⁵ m/s in `f32`), the force falls to half
@@ -222,6 +224,7 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
         self.same_everywhere(load, slip, force)?;
         self.turning_at(load, slip)?;
         self.same_resistance(load, slip)?;
+        self.proportional_to_load(load, slip, force)?;
         self.jacobian_at(load, slip, force)?;
         self.metric_at(load, slip, force)?;
         self.derivatives_at(load * inward(), slip * inward())
@@ -278,6 +281,33 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized> Check<'_, R, F> {
             let off = (here - others.0).abs() + (here - others.1).abs();
             let input = || self.input(load, slip);
             demand_at_most(off, R::ZERO, Requirement::SameEverywhere, input)?;
+        }
+        Ok(())
+    }
+
+    /// Checks that half of the load gives half of force and resistance, if the law says so.
+    fn proportional_to_load(
+        &self,
+        load: R,
+        slip: R::Vec3,
+        force: R::Vec3,
+    ) -> Result<(), Violation> {
+        if !self.friction.is_proportional_to_load() {
+            return Ok(());
+        }
+        let (input, fits) = (|| self.input(load, slip), Requirement::ProportionalToLoad);
+        let half = load * R::HALF;
+        let of_half = self.friction.force_at(self.position, half, slip);
+        let off = (of_half * R::TWO - force).length();
+        demand_at_most(off, force.length() * ulps(64.0) + unresolved(), fits, input)?;
+        let resistances = [load, half].map(|load| {
+            let found = self.friction.rolling_resistance_at(self.position, load);
+            found.map_or([R::ZERO; 2], |found| [found.rolling, found.spinning])
+        });
+        let [whole, half] = resistances;
+        for (whole, half) in whole.into_iter().zip(half) {
+            let off = (half * R::TWO - whole).abs();
+            demand_at_most(off, whole * ulps(64.0) + unresolved(), fits, input)?;
         }
         Ok(())
     }

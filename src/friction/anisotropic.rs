@@ -76,6 +76,11 @@ impl<R: Real> AnisotropicCoulomb<R> {
 
 impl<R: Real> SlidingFriction<R> for AnisotropicCoulomb<R> {
     #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn is_trusted(&self) -> bool {
         true
     }

@@ -42,6 +42,11 @@ impl<R: Real> Coulomb<R> {
 
 impl<R: Real> SlidingFriction<R> for Coulomb<R> {
     #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn is_trusted(&self) -> bool {
         true
     }
@@ -100,6 +105,11 @@ impl<R: Real> SmoothCoulomb<R> {
 }
 
 impl<R: Real> SlidingFriction<R> for SmoothCoulomb<R> {
+    #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn is_trusted(&self) -> bool {
         true

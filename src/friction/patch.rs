@@ -152,6 +152,11 @@ where
     I: SlidingFriction<R>,
 {
     #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        self.outside.is_proportional_to_load() && self.inside.is_proportional_to_load()
+    }
+
+    #[inline]
     fn is_trusted(&self) -> bool {
         self.outside.is_trusted() && self.inside.is_trusted()
     }

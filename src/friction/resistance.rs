@@ -123,6 +123,11 @@ pub struct WithResistance<F, R = f64> {
 
 impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for WithResistance<F, R> {
     #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        self.friction.is_proportional_to_load()
+    }
+
+    #[inline]
     fn is_trusted(&self) -> bool {
         self.friction.is_trusted()
     }

@@ -57,6 +57,10 @@ macro_rules! methods_of_one {
                 self.friction.depends_on_position()
             }
             #[inline(always)]
+            fn is_proportional_to_load(&self) -> bool {
+                self.friction.is_proportional_to_load()
+            }
+            #[inline(always)]
             fn is_trusted(&self) -> bool {
                 self.friction.is_trusted()
             }
@@ -165,6 +169,9 @@ impl<R: Real, F: SlidingFriction<R>> SlidingFriction<R> for [F] {
     fn check(&self) -> Result<(), SceneError> {
         self.iter().try_for_each(F::check)
     }
+    fn is_proportional_to_load(&self) -> bool {
+        self.iter().all(F::is_proportional_to_load)
+    }
     fn is_trusted(&self) -> bool {
         self.iter().all(F::is_trusted)
     }
@@ -186,6 +193,9 @@ impl<R: Real, F: SlidingFriction<R>, const N: usize> SlidingFriction<R> for [F; 
     }
     fn check(&self) -> Result<(), SceneError> {
         self.as_slice().check()
+    }
+    fn is_proportional_to_load(&self) -> bool {
+        self.as_slice().is_proportional_to_load()
     }
     fn is_trusted(&self) -> bool {
         self.as_slice().is_trusted()
@@ -220,6 +230,9 @@ macro_rules! of_tuple {
             fn check(&self) -> Result<(), SceneError> {
                 $(self.$place.check()?;)*
                 Ok(())
+            }
+            fn is_proportional_to_load(&self) -> bool {
+                true $(&& self.$place.is_proportional_to_load())*
             }
             fn is_trusted(&self) -> bool {
                 true $(&& self.$place.is_trusted())*

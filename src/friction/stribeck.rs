@@ -54,6 +54,11 @@ impl<R: Real> Stribeck<R> {
 
 impl<R: Real> SlidingFriction<R> for Stribeck<R> {
     #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn is_trusted(&self) -> bool {
         true
     }

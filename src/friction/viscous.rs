@@ -20,6 +20,11 @@ pub struct Viscous<R = f64> {
 
 impl<R: Real> SlidingFriction<R> for Viscous<R> {
     #[inline]
+    fn is_proportional_to_load(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn is_trusted(&self) -> bool {
         true
     }

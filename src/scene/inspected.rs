@@ -226,6 +226,10 @@ impl<R: Real, F: SlidingFriction<R> + ?Sized, I: Inspector<R>> SlidingFriction<R
         self.friction.depends_on_position()
     }
     #[inline(always)]
+    fn is_proportional_to_load(&self) -> bool {
+        self.friction.is_proportional_to_load()
+    }
+    #[inline(always)]
     fn surfaces(&self) -> Option<usize> {
         self.friction.surfaces()
     }

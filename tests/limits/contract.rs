@@ -1144,6 +1144,43 @@ fn friction_is_checked_at_several_positions() {
     check_friction(&motor, &near, CheckPlan::default()).unwrap();
 }
 
+/// A law that says that it is proportional to the load, with a force and a rolling torque.
+struct Proportional<F, T>(F, T);
+
+impl<F: Fn(f64) -> f64, T: Fn(f64) -> f64> SlidingFriction for Proportional<F, T> {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        slip * -((self.0)(normal_force) / (slip.length() + 1e-3))
+    }
+    fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
+        Some(RollingResistance {
+            rolling: (self.1)(normal_force),
+            spinning: 0.0,
+            turn_speed: 1e-3,
+        })
+    }
+    fn is_proportional_to_load(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_law_that_is_not_proportional_to_the_load_and_says_so_is_caught() {
+    let right = Proportional(|load: f64| 0.3 * load, |load: f64| 1e-3 * load);
+    for plan in batteries() {
+        check_friction(&right, &SLIDES, plan).unwrap();
+    }
+    let limit = SLIDES.normal_force * 0.2;
+    let saturated = Proportional(|load: f64| 0.3 * load.min(limit), |load: f64| 1e-3 * load);
+    let requirement = fault_of_friction(&saturated).requirement;
+    assert_eq!(requirement, Requirement::ProportionalToLoad);
+    let hertz = Proportional(
+        |load: f64| 0.3 * load,
+        |load: f64| 1e-3 * load.powf(4.0 / 3.0),
+    );
+    let requirement = fault_of_friction(&hertz).requirement;
+    assert_eq!(requirement, Requirement::ProportionalToLoad);
+}
+
 #[test]
 fn friction_without_load_is_caught() {
     let sticky = Rub(|load: f64, slip: DVec3| -slip * (load + 1.0));

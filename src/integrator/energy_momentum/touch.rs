@@ -98,14 +98,21 @@ impl<R: Real> Push<R> {
         self.mean.force > R::ZERO || self.mean.slope > R::ZERO
     }
 
-    /// Part of the step for which the contact touches, if it is neither all nor nothing.
+    /// Returns true if a contact with a force touches for a part of the step only, and if that
+    /// makes a [difference](partial) to friction.
     #[inline(always)]
-    fn part_in_contact(&self) -> Option<R> {
-        if (self.depth > R::ZERO) == (self.end_depth > R::ZERO) {
-            return None;
-        }
+    fn needs_part(&self, law: &impl SlidingFriction<R>) -> bool {
+        !law.is_proportional_to_load() && self.depth.at_most(self.end_depth) <= R::ZERO
+    }
+
+    /// Part of the step for which the contact touches, at least `EPSILON`. It is the whole one if
+    /// both ends are above the ground, as of a contact whose force Newton's last step has predicted.
+    pub(super) fn part_in_contact(&self) -> R {
         let deeper = self.depth.at_least(self.end_depth);
-        Some(deeper / (self.depth - self.end_depth).abs())
+        if deeper <= R::ZERO {
+            return R::ONE;
+        }
+        (deeper / (self.depth - self.end_depth).abs()).at_least(R::EPSILON)
     }
 
     /// Number of contacts that the point represents, and its inverse. `None` if the body has no
@@ -279,13 +286,17 @@ impl<R: Real> Touch<R> {
         slip: R::Vec3,
     ) -> R::Vec3 {
         let (push, position) = (&self.push, self.friction_position(problem));
-        let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
-        let load = push.mean.force * each;
-        let friction = match push.part_in_contact() {
-            Some(part) => partial::friction(problem, push.surface, position, [load, part], slip),
-            None => problem.friction(push.surface, position, load, slip),
+        let friction = |load| {
+            if push.needs_part(&problem.law(push.surface)) {
+                partial::friction(problem, push, (position, load), slip)
+            } else {
+                problem.friction(push.surface, position, load, slip)
+            }
         };
-        friction * weight
+        match push.weights(problem) {
+            Some([weight, each]) => friction(push.mean.force * each) * weight,
+            None => friction(push.mean.force),
+        }
     }
 
     /// Resistance to rolling and spinning under a normal force (N).
@@ -298,9 +309,10 @@ impl<R: Real> Touch<R> {
         let law = problem.law(push.surface);
         let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
         let load = normal_force * each;
-        let of_one = match push.part_in_contact() {
-            Some(part) => partial::resistance(&law, position, [load, part])?,
-            None => law.rolling_resistance_at(position, load)?,
+        let of_one = if push.needs_part(&law) {
+            partial::resistance(&law, push, (position, load))?
+        } else {
+            law.rolling_resistance_at(position, load)?
         };
         Some(RollingResistance {
             rolling: of_one.rolling * weight,
@@ -367,12 +379,17 @@ impl<R: Real> Touch<R> {
         slip: R::Vec3,
     ) -> FrictionJacobian<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
-        let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
-        let load = push.mean.force * each;
-        let jacobian = match push.part_in_contact() {
-            Some(part) => partial::jacobian(problem, push.surface, position, [load, part], slip),
-            None => problem.jacobian(push.surface, position, load, slip),
+        let jacobian = |load| {
+            if push.needs_part(&problem.law(push.surface)) {
+                partial::jacobian(problem, push, (position, load), slip)
+            } else {
+                problem.jacobian(push.surface, position, load, slip)
+            }
         };
+        let Some([weight, each]) = push.weights(problem) else {
+            return jacobian(push.mean.force);
+        };
+        let jacobian = jacobian(push.mean.force * each);
         FrictionJacobian {
             coefficient: jacobian.coefficient * weight,
             ..jacobian
