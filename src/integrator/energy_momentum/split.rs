@@ -75,8 +75,11 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);
     let state = &turning::slowed(scene, state, seconds);
-    let touching = scene.load(&motion_of(scene, state)).touching;
-    let share = scene.inertia_properties().mass() / R::from_usize(touching.max(1));
+    let mut touching = R::ZERO;
+    visit_contacts(scene, &motion_of(scene, state), &mut |contact| {
+        touching += contact.weight;
+    });
+    let share = scene.inertia_properties().mass() / touching.at_least(R::ONE);
     resisted(scene, bounding_radius, state, |motion, resist| {
         visit_contacts(scene, motion, &mut |contact| {
             let (ground, friction) = contact.laws(scene.ground(), scene.friction());
