@@ -13,15 +13,17 @@ mkdir -p "$work"
 cross_tools "$work"
 command -v qemu-system-riscv32 >/dev/null || cross_install "$work" qemu-system-misc
 
-# Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F.
+# Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F, and the profile of the build.
 programs=(
-  'symplectic_euler_f32 22016 4096'
-  'symplectic_euler_f64 48640 6144'
-  'energy_momentum_f32 98304 4608'
-  'compact_energy_momentum_f32 98304 6144'
-  'energy_momentum_f64 156672 8192'
+  'symplectic_euler_f32 22016 4096 release'
+  'symplectic_euler_f64 48640 6144 release'
+  'energy_momentum_f32 98304 4608 release'
+  'compact_energy_momentum_f32 98304 6144 release'
+  'compact_energy_momentum_f32 71680 6400 small'
+  'energy_momentum_f64 156672 8192 release'
 )
-build() { cargo build -q --release --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
+profile=release
+build() { cargo build -q --profile $profile --locked --manifest-path examples/embedded/Cargo.toml "$@"; }
 # The lines that they print here are the same however they are linked.
 CARGO_PROFILE_RELEASE_LTO=off build --bins
 linker=$(cross_linker) RUSTC=$(cross_compiler)
@@ -31,13 +33,16 @@ for target in THUMBV7EM_NONE_EABIHF THUMBV6M_NONE_EABI RISCV32IMAC_UNKNOWN_NONE_
 done
 m4f=thumbv7em-none-eabihf m0=thumbv6m-none-eabi riscv=riscv32imac-unknown-none-elf
 # The million steps run on the Cortex-M4F alone.
-small=()
-for line in "${programs[@]}"; do small+=(--bin "${line%% *}"); done
+bins=()
+for line in "${programs[@]}"; do [[ $line == *small ]] || bins+=(--bin "${line%% *}"); done
 build -Zbuild-std=core --bins --target=$m4f
-build -Zbuild-std=core "${small[@]}" --target={$m0,$riscv}
+build -Zbuild-std=core "${bins[@]}" --target={$m0,$riscv}
+profile=small
+build -Zbuild-std=core --bin compact_energy_momentum_f32 --target={$m4f,$m0,$riscv}
+profile=release
 
 fail() { echo "$*"; exit 1; }
-image() { echo "$CARGO_TARGET_DIR/$1/release/$2"; } # image TARGET PROGRAM
+image() { echo "$CARGO_TARGET_DIR/$1/$profile/$2"; } # image TARGET PROGRAM
 # A symbol is in an image only where something calls it: the linker leaves out the rest.
 panics() { nm "$1" | grep -E 'panic|unwrap_failed|expect_failed|slice_.*fail|rust_begin_unwind' || true; }
 # Widening alone is let pass: it carries a parameter that is refused, when a scene is composed, into the error's f64.
@@ -58,7 +63,9 @@ emulate() { # emulate TARGET PROGRAM
 code_size() { size -A "$1" | awk '$1 == ".text" || $1 == ".rodata" || $1 == ".data" || $1 == ".vector_table" { sum += $2 } END { print sum }'; }
 row() { # row PROGRAM TARGET PROCESSOR: a row of the table, from what the program printed there
   local ran="$work/$2"
-  echo "| \`$1\` | $3 | $(code_size "$(image "$2" "$1")") B | $(number 'bytes of static memory' "$ran") B | $(number 'bytes of stack' "$ran") B |" \
+  local name="\`$1\`"
+  [ $profile = release ] || name+=", \`--profile $profile\`"
+  echo "| $name | $3 | $(code_size "$(image "$2" "$1")") B | $(number 'bytes of static memory' "$ran") B | $(number 'bytes of stack' "$ran") B |" \
     "$(number 'clocks a step in flight' "$ran") | $(number 'clocks a step in contact' "$ran") | $(number 'clocks, longest step' "$ran") |"
 }
 
@@ -68,7 +75,7 @@ page=examples/embedded/README.md table="$work/table"
   echo "|---|---|---|---|---|---|---|---|"
 } | tee "$table"
 for line in "${programs[@]}"; do
-  read -r program code_limit stack_limit <<<"$line"
+  read -r program code_limit stack_limit profile <<<"$line"
   if [[ $program == *_f32 ]]; then
     found=$(doubles "$(image $m4f "$program")")
     [ -z "$found" ] || fail "$program computes in double precision: $found"
@@ -86,6 +93,7 @@ for line in "${programs[@]}"; do
   [ "$code" -le "$code_limit" ] || fail "$program: more than $code_limit bytes of code"
   [ "$stack" -le "$stack_limit" ] || fail "$program: more than $stack_limit bytes of stack"
 done
+profile=release
 echo "the same bits on this machine, as ARMv7E-M with floating-point unit, as ARMv6-M, and as RV32IMAC"
 
 between_marks() { sed -n "/<!-- $1: begin/,/<!-- $1: end/p" "$page" | grep "^$2"; } # between_marks NAME START_OF_LINES
