@@ -16,7 +16,7 @@ def main():
         runs = list(csv.reader(file))[1:]
     with open(PAGE, encoding='utf-8') as file:
         page = file.read()
-    page = put(page, 'sweeps', sweeps([line for line in lines if line[0]]))
+    page = put(page, 'sweeps', sweeps([line for line in lines if line[0].isdigit()]) + before([line for line in lines if line[0] == 'before']))
     page = put(page, 'trials', trials([line for line in lines if not line[0]]))
     page = put(page, 'rigid', rigid(runs))
     with open(PAGE, 'w', encoding='utf-8') as file:
@@ -58,6 +58,15 @@ def sweeps(lines):
         return text + '\n**Broken promises:**\n\n' + '\n'.join(failures) + '\n\n'
     text += f'\nIncreases of the energy: 0. Numbers that are not finite: 0. Panics: 0. Bodies left where they were: {len(frozen)}.\n\n'
     return text + ''.join(failure + '\n' for failure in frozen) + ('\n' if frozen else '')
+
+
+def before(lines):
+    """The sums of the versions before the present one, which the record has in one row."""
+    return ''.join(
+        f'Versions before this one: {number(int(line[3]))} steps of {number(int(line[2]))} scenes. Increases of the energy: 0. '
+        f'Numbers that are not finite: 0. Panics: 0. Bodies left where they were: {line[14]}.\n\n'
+        for line in lines
+    )
 
 
 def ranges(numbers):

@@ -5,7 +5,7 @@
 #   bash .ci/long.sh rigid         a body that tumbles freely, with two methods in both precisions
 #   bash .ci/long.sh page          only writes the page again
 # PROGRAM names the test program, if it is built.
-# Each run appends its counts to tests/data/long_runs.csv. A seed or a trial that is in it is not run again, so that a stopped command goes on.
+# Each run appends its counts to tests/data/long_runs.csv. Its row `before` has the sums of earlier versions, with the number of bodies left where they were. A seed or a trial that is in it is not run again, so that a stopped command goes on.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 record=tests/data/long_runs.csv

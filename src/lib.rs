@@ -79,12 +79,15 @@
 //!
 //! # What is not modelled
 //!
-//! - Several bodies, joints, a ground that changes its position or its shape. An applied force does
-//!   not depend on time, and has no point of application: it is a force at the centre of mass and a
-//!   torque.
-//! - Sticking: on a slope of angle θ a body creeps at `slip_speed · tan θ/(coefficient - tan θ)`.
-//!   If `tan θ` is half of the coefficient, this is the slip speed: at 1e-10 m/s, a millimetre in
-//!   four months.
+//! - Several bodies or joints. A ground that changes its position, its shape or its velocity: the
+//!   velocity of a conveyor or a turntable is constant. Surfaces that move against each other. An
+//!   applied force does not depend on time, and has no point of application: it is a force at the
+//!   centre of mass and a torque.
+//! - Elasticity along the ground: a ball that grips leaves without the reversed spin of a
+//!   superball. [`guide::modelling`] has the full list.
+//! - Sticking: with [`Coulomb`], a body on a slope of angle θ creeps at
+//!   `slip_speed · tan θ/(coefficient - tan θ)`. If `tan θ` is half of the coefficient, this is the
+//!   slip speed: at 1e-10 m/s, a millimetre in four months.
 //! - A given coefficient of restitution: bounces follow from spring and damper.
 //!   [`SpringDamper::from_bounce`] and [`HuntCrossley::from_bounce`] compute the law for a bounce.
 //! - A circle by points. A [`Coin`] of n points is a polygon, which deviates from the circle by
@@ -100,15 +103,16 @@
 //!   `orientation` is the rotation from body axes to world axes.
 //! - A *gap* is positive above the ground, a *depth* (penetration depth) below its surface. A
 //!   *closing speed* is positive while the depth increases. The normal points out of the ground.
-//! - Work on the body is positive if the body gains energy. The work of friction is negative.
+//! - Work on the body is positive if the body gains energy. The work of friction on a ground at
+//!   rest is at most 0. Work of a moving ground counts as work of a drive.
 //!
 //! # Promises
 //!
 //! | | promise | shown by |
 //! |---|---|---|
-//! | G1 | With [`EnergyMomentum`] and [`AdaptiveEnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force or a moving ground drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes with [`EnergyMomentum`], whose steps the adaptive method takes), `tests/physics/adaptive_energy_momentum.rs`, [derivation](guide::energy) |
+//! | G1 | With [`EnergyMomentum`], [`CompactEnergyMomentum`] and [`AdaptiveEnergyMomentum`] the computed energy never increases, not even by one unit in the last place, at any step size, stiffness, damping, friction, spin, size, shape and precision. If an applied force or a moving ground drives the body, the energy increases at most by the work that the step states. | `tests/limits/contract.rs` (random scenes), `tests/limits/extremes.rs` (a sweep of the extremes with [`EnergyMomentum`], whose steps the adaptive method takes), `tests/physics/adaptive_energy_momentum.rs`, [derivation](guide::energy) |
 //! | G2 | The body stays rigid: distances and the orientation's length stay at rounding, however long the run. | `tests/physics/rigidity.rs`, up to 10⁷ steps; [10⁹ steps](guide::long_runs) |
-//! | G3 | The energy audit adds up: the energy equals the energy at the start, minus the energy that friction, dampers and separation dissipated, plus the energy error. The energy error is the integrator's own, within the limits that [`Ledger`] states. It decreases at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
+//! | G3 | The energy audit adds up: the energy equals the energy at the start, plus the works of friction, dampers, clamp and drag, each at most 0, and of drives, plus energy that was handed in between runs, plus the energy error. *Clamp* is the energy that springs lose where a contact separates faster than they expand. The energy error is the integrator's own, within the limits that [`Ledger`] states. It decreases at the integrator's order, through touch-downs too, and with the tolerance of an adaptive method. | `tests/physics/truth.rs`, against the true works of all eight trials |
 //! | G4 | Accuracy is a number: each integrator states order, cost, stability limit, and when it can add energy. | `tests/physics/truth.rs`, `tests/physics/energy.rs` (both sides of each limit), `examples/accuracy`, [tables](guide::accuracy); `tests/validation`, [closed forms and printed numbers](guide::validation) |
 //! | G5 | A scene has the cost of its parts only: an absent part costs nothing, flight evaluates no contact, and rest in a [`Session`] costs a comparison. | `benches/` |
 //! | G6 | No standard library, no allocation, no panic. | `.ci/no_std.sh` (the linked object refers to no panic code), `.ci/embedded.sh` (no panic in the image of a microcontroller), `tests/downstream/tests/no_allocation.rs` |
@@ -122,19 +126,22 @@
 //!
 //! # Integrators
 //!
+//! All integrators conserve the angular momentum in flight. The column *conserves* has what is
+//! conserved in addition. [`CompactEnergyMomentum`] has the properties of [`EnergyMomentum`].
+//!
 //! | | order | force evaluations a step | conserves | may add energy | stable for |
 //! |---|---|---|---|---|---|
 //! | [`EnergyMomentum`] | 2 | 2 to 5 in contact, each at twice the cost; none in flight | energy, if nothing dissipates it | never | every step |
 //! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift; flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
 //! | [`SymplecticEuler`] | 1 | 1 | energy without drift; rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
-//! | [`Rk4`] | 4, and 1 through touch-downs | 4 | nothing more | O(dt⁵) a step | `dt < 2.62/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
-//! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | nothing more | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
-//! | [`BogackiShampine32`] | 3 | 3 | nothing more | by its error | any tolerance: the step size is adaptive |
-//! | [`DormandPrince54`] | 5 | 6 | nothing more | by its error | any tolerance: the step size is adaptive |
+//! | [`Rk4`] | 4, and 1 through touch-downs | 4 | - | O(dt⁵) a step | `dt < 2.62/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
+//! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | - | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
+//! | [`BogackiShampine32`] | 3 | 3 | - | by its error | any tolerance: the step size is adaptive |
+//! | [`DormandPrince54`] | 5 | 6 | - | by its error | any tolerance: the step size is adaptive |
 //! | [`AdaptiveEnergyMomentum`] | 2 | those of three steps of `EnergyMomentum` | as `EnergyMomentum` | never | any tolerance: the step size is adaptive |
-//! | [`AdaptiveNystrom`] | 4, and 2 through touch-downs | 4 | nothing more | by its error | any tolerance: the step size is adaptive |
-//! | [`Radau5`] | 5 | 6 to 30 | nothing more | by its error | any tolerance: implicit |
-//! | [`ForwardEuler`] | 1 | 1 | nothing more | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
+//! | [`AdaptiveNystrom`] | 4, and 2 through touch-downs | 4 | - | by its error | any tolerance: the step size is adaptive |
+//! | [`Radau5`] | 5 | 6 to 30 | - | by its error | any tolerance: implicit |
+//! | [`ForwardEuler`] | 1 | 1 | - | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
 //!
 //! `dt` is the step size (s). `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest
 //! rate of damping that the contacts give the body, and `ζ = δ/(2 ω)`. A contact at arm `r` with
@@ -143,11 +150,11 @@
 //! damping `c` has `ω² = k/M` and `δ = c/M`. Contacts that act together add up. A contact *sticks*
 //! while its slip is well below the slip speed. With the normal force `N` and the coefficient of
 //! friction `μ`, friction is then a damper of `μ N/slip_speed` along the surface.
-//! [`Stepper::largest_stable_step`] computes the limit at a state. All integrators conserve the
-//! angular momentum in flight. All but `ForwardEuler` are exact, to rounding, in the torque-free
-//! rotation of a body with three different moments of inertia. With two or three equal moments
-//! [`Rk4`] and [`Nystrom`] have the error of their order, unless the moment about the axis of
-//! symmetry is the smallest. A method with a tolerance returns an error if it cannot keep it.
+//! [`Stepper::largest_stable_step`] computes the limit at a state. All integrators but
+//! `ForwardEuler` are exact, to rounding, in the torque-free rotation of a body with three
+//! different moments of inertia. With two or three equal moments [`Rk4`] and [`Nystrom`] have the
+//! error of their order, unless the moment about the axis of symmetry is the smallest. A method
+//! with a tolerance returns an error if it cannot keep it.
 //!
 //! The order holds in smooth motion. Through touch-downs it can be lower: [`guide::accuracy`] has
 //! the orders that were measured on all eight trials.
@@ -182,11 +189,11 @@
 //! - [an observer](guide::extending::observer): [`Observer`], or a closure
 //! - an event: [`Event`], or a closure
 //!
-//! [`guide::extending`] has a page for each role: what to implement, what is provided, what the
-//! check tests, and a complete example. `tests/downstream` in the repository is a crate with one
-//! part of each role. Parts are taken by value, by reference, behind `&dyn` or in a `Box<dyn …>`.
-//! Every type has the number type as a parameter ([`Real`]), `f64` by default or `f32`. The modules
-//! [`mod@f64`] and [`mod@f32`] contain the names for one precision.
+//! [`guide::extending`] has a page for each role but the event: what to implement, what is
+//! provided, what the check tests, and a complete example. `tests/downstream` in the repository is
+//! a crate with one part of each role. Parts are taken by value, by reference, behind `&dyn` or in
+//! a `Box<dyn …>`. Every type has the number type as a parameter ([`Real`]), `f64` by default or
+//! `f32`. The modules [`mod@f64`] and [`mod@f32`] contain the names for one precision.
 //!
 //! # Features
 //!

@@ -16,23 +16,21 @@
 //! load](SlidingFriction::is_proportional_to_load), which therefore does not need this module.
 
 use super::problem::Problem;
-use super::touch::Push;
 use crate::friction::{FrictionJacobian, RollingResistance, SlidingFriction};
 use crate::real::Real;
 use crate::scene::Dynamics;
 
-/// Friction (N) at a position (m, world axes) under a mean load (N) over a step, of which a contact
-/// touches for a part.
+/// Friction (N) on a surface at a position (m, world axes), under a mean load (N) over a step, of
+/// which the contact touches for a part.
 #[cold]
 #[inline(never)]
 pub(super) fn friction<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    push: &Push<R>,
+    (surface, part): (u32, R),
     (position, load): (R::Vec3, R),
     slip: R::Vec3,
 ) -> R::Vec3 {
-    let part = push.part_in_contact();
-    problem.friction(push.surface, position, load / part, slip) * part
+    problem.friction(surface, position, load / part, slip) * part
 }
 
 /// Derivatives of [`friction`], for a part that does not depend on the trial.
@@ -40,28 +38,26 @@ pub(super) fn friction<R: Real, D: Dynamics<R>>(
 #[inline(never)]
 pub(super) fn jacobian<R: Real, D: Dynamics<R>>(
     problem: &Problem<'_, R, D>,
-    push: &Push<R>,
+    (surface, part): (u32, R),
     (position, load): (R::Vec3, R),
     slip: R::Vec3,
 ) -> FrictionJacobian<R> {
-    let part = push.part_in_contact();
-    let jacobian = problem.jacobian(push.surface, position, load / part, slip);
+    let jacobian = problem.jacobian(surface, position, load / part, slip);
     FrictionJacobian {
         coefficient: jacobian.coefficient * part,
         ..jacobian
     }
 }
 
-/// Resistance to rolling and spinning of a mean load (N) over a step, of which a contact touches
-/// for a part.
+/// Resistance to rolling and spinning under a mean load (N) over a step, of which the contact
+/// touches for a part.
 #[cold]
 #[inline(never)]
 pub(super) fn resistance<R: Real, F: SlidingFriction<R>>(
     law: &F,
-    push: &Push<R>,
+    part: R,
     (position, load): (R::Vec3, R),
 ) -> Option<RollingResistance<R>> {
-    let part = push.part_in_contact();
     let resistance = law.rolling_resistance_at(position, load / part)?;
     Some(RollingResistance {
         rolling: resistance.rolling * part,

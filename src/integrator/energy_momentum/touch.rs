@@ -288,7 +288,8 @@ impl<R: Real> Touch<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
         let friction = |load| {
             if push.needs_part(&problem.law(push.surface)) {
-                partial::friction(problem, push, (position, load), slip)
+                let part = (push.surface, push.part_in_contact());
+                partial::friction(problem, part, (position, load), slip)
             } else {
                 problem.friction(push.surface, position, load, slip)
             }
@@ -310,7 +311,7 @@ impl<R: Real> Touch<R> {
         let [weight, each] = push.weights(problem).unwrap_or([R::ONE; 2]);
         let load = normal_force * each;
         let of_one = if push.needs_part(&law) {
-            partial::resistance(&law, push, (position, load))?
+            partial::resistance(&law, push.part_in_contact(), (position, load))?
         } else {
             law.rolling_resistance_at(position, load)?
         };
@@ -381,7 +382,8 @@ impl<R: Real> Touch<R> {
         let (push, position) = (&self.push, self.friction_position(problem));
         let jacobian = |load| {
             if push.needs_part(&problem.law(push.surface)) {
-                partial::jacobian(problem, push, (position, load), slip)
+                let part = (push.surface, push.part_in_contact());
+                partial::jacobian(problem, part, (position, load), slip)
             } else {
                 problem.jacobian(push.surface, position, load, slip)
             }
