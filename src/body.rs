@@ -112,8 +112,10 @@ pub trait RigidPointBody<R: Real = f64> {
     /// Mass, kg, above 0.
     fn mass(&self) -> R;
 
-    /// Inertia tensor about the centre of mass, kg m², body axes. It is zero for a single point and
-    /// of rank 2 for points on a line.
+    /// Inertia tensor about the centre of mass, kg m², body axes.
+    ///
+    /// The tensor is symmetric. None of its principal moments is negative, and none exceeds the sum
+    /// of the other two. It is zero for a single point and of rank 2 for points on a line.
     fn inertia(&self) -> R::Mat3;
 
     /// Points of the body that can touch the ground. The number of a contact is its index in this
@@ -334,8 +336,9 @@ forward!(alloc::boxed::Box<B>);
 /// Point of the body that can touch the ground: a small ball fixed in the body, or a bare point if
 /// the radius is 0.
 ///
-/// Its penetration depth is `radius - gap(position)`. The ground's force acts at
-/// `position - radius * normal`.
+/// Its penetration depth is `radius - gap`, with the gap of the ground at the centre of the ball.
+/// The ground's force acts at the point of the ball that faces the ground: the centre minus
+/// `radius * normal`, in world axes, with the outward normal of the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -475,8 +478,8 @@ impl ContactRange {
         Self { first: 0, count }
     }
 
-    /// Range from the first contact below the plane `normal · p = offset` to the last one. The plane
-    /// is in body axes.
+    /// Range from the first contact below the plane `normal · p = offset` to the last one. The
+    /// plane is in body axes.
     fn spanning<R: Real>(contacts: &[ContactPoint<R>], normal: R::Vec3, offset: R) -> Self {
         // False for a plane that is NaN, so that no contact is omitted.
         let is_above =

@@ -40,7 +40,7 @@
 //! | check | requirements |
 //! |---|---|
 //! | [`check_body`] | valid mass and inertia; contacts, bounding radius and [`contacts_below`](crate::RigidPointBody::contacts_below) that are consistent and never change |
-//! | [`check_ground`] | a surface whose gap decreases along its normal; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
+//! | [`check_ground`] | a surface whose gap increases along its outward normal, as a distance does; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
 //! | [`check_friction`] | a force along the surface that opposes the slip and tends to 0 with it, and a Jacobian that is consistent with it |
 //! | [`check_force`] | finite, continuous; a passive force does no positive work; powers that add up |
 //! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order |
@@ -210,8 +210,8 @@ pub enum Requirement {
     /// position.
     #[error("a law that varies over the ground needs depends_on_position to be true")]
     SameEverywhere,
-    /// Friction: `jacobian` has a coefficient of `|force|/|slip|`, a width above 0, and a growth
-    /// between 0 and 1.
+    /// Friction: `jacobian` has a coefficient of `-force · slip/|slip|²`, a width above 0, and a
+    /// growth between 0 and 1.
     #[error("the Jacobian must be consistent with the force")]
     JacobianFits,
 

@@ -19,8 +19,8 @@ pub struct Energy<R = f64> {
     /// Potential energy of gravity and of a constant force, `-(m g + F) · x`. Zero with the centre
     /// of mass at the origin.
     pub gravity: R,
-    /// Elastic energy of the springs under every contact below the ground. It includes contacts
-    /// whose force the clamp limits to 0.
+    /// Elastic energy of the springs under every contact below the surface of the ground. It
+    /// includes contacts that separate so fast that the normal force is limited to 0.
     pub springs: R,
 }
 
@@ -112,12 +112,15 @@ impl<R: Real> core::fmt::Display for Energy<R> {
     }
 }
 
-/// Power of the contacts and of the applied force on the body, excluding what the springs store, by
-/// cause, W. Each term but the drive is at most 0 if the laws keep their contracts.
+/// Power by cause, W, of the contacts and of the applied force on the body. It excludes the power
+/// that the springs store. Each term but the drive is at most 0 if the laws keep their contracts.
+///
+/// [`Ledger::work`](crate::Ledger::work) returns the time integrals in the same fields: works in J.
 ///
 /// The energy changes at the rate of their sum:
-/// `dE/dt = friction + damper + clamp + drag + drive`. With `N` the normal force, `S` its spring part
-/// and `c` the closing speed, one contact contributes:
+/// `dE/dt = friction + damper + clamp + drag + drive`. Let `N` be the normal force, `S` its spring
+/// part, and `c` the closing speed, which is positive while the depth increases. The *clamp* is the
+/// rule that the ground never pulls: `N` is limited to at least 0. One contact contributes:
 ///
 /// | term | power |
 /// |---|---|
@@ -131,8 +134,8 @@ pub struct Dissipation<R = f64> {
     pub friction: R,
     /// Power of the dampers, W.
     pub damper: R,
-    /// Power of the clamp, W: springs that expand under a contact which separates faster than they
-    /// do.
+    /// Power that springs lose, W, where a contact separates faster than they expand: the normal
+    /// force is then limited to 0.
     pub clamp: R,
     /// Power of the passive part of the applied force, W: air drag.
     pub drag: R,

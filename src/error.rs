@@ -87,8 +87,10 @@ impl core::fmt::Display for Readable {
     }
 }
 
-/// An invalid parameter of a scene or of an observer. It is returned once, when the scene or the
-/// observer is composed, so that a step need not check.
+/// Invalid parameter of a part, a scene, an observer, an event, a saved session or an ensemble.
+///
+/// Parameters are checked once, when the object is created or loaded, so that a step need not check
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{quantity} {rule}, got {}{unit}", Readable(*value))]
 #[non_exhaustive]
@@ -118,9 +120,12 @@ impl SceneError {
 
 /// Checks that a quantity is finite and positive.
 ///
+/// `quantity` is the name of `value` in words, for example "time step". `unit` begins with a space,
+/// for example " s", or is empty.
+///
 /// # Errors
-/// Returns [`SceneError`] if it is not. The error names the quantity, the rule, the value and the
-/// unit.
+/// Returns [`SceneError`] with [`Rule::Finite`] if the value is infinite or NaN, and with
+/// [`Rule::AboveZero`] if it is finite and not above 0.
 pub fn above_zero<R: Real>(
     quantity: &'static str,
     value: R,
@@ -132,9 +137,12 @@ pub fn above_zero<R: Real>(
 
 /// Checks that a quantity is finite and at least 0.
 ///
+/// `quantity` is the name of `value` in words, for example "damping". `unit` begins with a space,
+/// for example " N s/m", or is empty.
+///
 /// # Errors
-/// Returns [`SceneError`] if it is not. The error names the quantity, the rule, the value and the
-/// unit.
+/// Returns [`SceneError`] with [`Rule::Finite`] if the value is infinite or NaN, and with
+/// [`Rule::AtLeastZero`] if it is below 0.
 pub fn at_least_zero<R: Real>(
     quantity: &'static str,
     value: R,
@@ -146,9 +154,11 @@ pub fn at_least_zero<R: Real>(
 
 /// Checks that a quantity is neither infinite nor NaN.
 ///
+/// `quantity` is the name of `value` in words, for example "tilt of the coin". `unit` begins with a
+/// space, for example " rad", or is empty.
+///
 /// # Errors
-/// Returns [`SceneError`] if it is infinite or NaN. The error names the quantity, the rule, the
-/// value and the unit.
+/// Returns [`SceneError`] with [`Rule::Finite`] if the value is infinite or NaN.
 pub fn finite<R: Real>(
     quantity: &'static str,
     value: R,
@@ -216,7 +226,10 @@ pub struct StateError {
     pub error: StepError,
 }
 
-/// An error of a step. The state is left unchanged at the last valid one.
+/// Error of a step, a run, an impulse or a query within a step.
+///
+/// A step or an impulse that fails leaves the state unchanged. A run that fails leaves the state
+/// after its last successful step.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
@@ -235,8 +248,8 @@ pub enum StepError {
         value: f64,
     },
     /// The applied force changes so fast with the velocities that no part of the step could be
-    /// solved. An example is a lift that would turn the velocity by a thousand radians in a step, or
-    /// by tens of radians if the body is a needle whose smallest moment is 1e-12 of the largest.
+    /// solved. An example is a lift that would turn the velocity by a thousand radians in a step,
+    /// or by tens of radians if the body is a needle whose smallest moment is 1e-12 of the largest.
     #[error(
         "the applied force must change little within a step, got a step of {seconds:e} s: shorten the time step, or check the force with `contract::check_force`"
     )]
@@ -250,7 +263,8 @@ pub enum StepError {
         "the {0} is no longer finite after the step: shorten the time step or choose an integrator that is stable for it"
     )]
     Diverged(Quantity),
-    /// A ground, a friction law or an applied force has returned a value that violates its contract.
+    /// A ground, a friction law or an applied force has returned a value that violates its
+    /// contract.
     #[error(
         "the {quantity} {}, got {value:e}{}; `contract::check_ground`, `check_friction` and `check_force` find such values before a run",
         .quantity.rule(),
@@ -280,7 +294,8 @@ pub enum StepError {
     /// An adaptive method has tried as many steps as its budget allows.
     ///
     /// A frequent cause is a contact that sticks or rolls. Stability then bounds each step of an
-    /// explicit method by about `2 slip_speed/(3 μ g)`, whatever the tolerance.
+    /// explicit method by about `slip_speed/(μ g)`, whatever the tolerance, with the coefficient of
+    /// friction μ and the acceleration of gravity g.
     /// [`EnergyMomentum`](crate::EnergyMomentum) has no such bound.
     #[error(
         "the budget of {attempts} steps is spent at {time:.6} s: loosen the tolerance or raise the budget; where contacts stick at a small slip speed take EnergyMomentum, or a larger slip speed"
@@ -301,7 +316,11 @@ pub enum StepError {
         /// Sum of the magnitudes of all kinds of energy, J.
         joules: f64,
     },
-    /// The step is so long that the position of the body after it would overflow.
+    /// The step is too long for its end to be resolved.
+    ///
+    /// [`EnergyMomentum`](crate::EnergyMomentum) returns it if the free motion in the step
+    /// overflows or exceeds 1e25 bounding radii, or if no part of the step ends at an energy that
+    /// is low enough. The bounding radius counts as 1 m if it is 0.
     #[error(
         "the step must be short enough for position and orientation to be resolved, got {seconds:e} s: shorten the time step"
     )]

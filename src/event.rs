@@ -55,6 +55,10 @@ use crate::state::State;
 )]
 pub trait Event<R: Real = f64> {
     /// Returns the value whose change of sign is the event. It must not be NaN.
+    ///
+    /// The value must depend on the sample only. It is also evaluated at states that are no part of
+    /// the run: up to 1/256 of the step before and after a sample, and at trial moments within the
+    /// step. Their times do not increase from call to call.
     fn value(&self, sample: &Sample<'_, R>) -> R;
 
     /// Returns the direction in which the value changes at the event. Default: both.
@@ -86,7 +90,7 @@ pub trait Event<R: Real = f64> {
         None
     }
 
-    /// Returns the event in one direction: the value becomes positive.
+    /// Returns the event in one direction: the value becomes positive, or a count increases.
     fn rising(self) -> EventWith<Self, R>
     where
         Self: Sized,
@@ -97,7 +101,7 @@ pub trait Event<R: Real = f64> {
         }
     }
 
-    /// Returns the event in one direction: the value becomes negative.
+    /// Returns the event in one direction: the value becomes negative, or a count decreases.
     fn falling(self) -> EventWith<Self, R>
     where
         Self: Sized,

@@ -29,9 +29,11 @@ use crate::real::{Real, Vector};
 ///
 /// *To the implementer:* the force must keep this contract:
 ///
-/// * It lies in the plane of `slip`. For contacts without radius on level ground, a component out
-///   of this plane has no effect.
+/// * It lies in the surface, as `slip` does. A component along the normal would act as a normal
+///   force whose work no energy audit counts, except for contacts without radius on level ground,
+///   where it has no effect.
 /// * It opposes the slip (`force · slip <= 0`), so that friction never adds energy.
+/// * It is 0 if `normal_force` is 0.
 /// * It is finite at zero slip, and tends to 0 with the slip: a law with a jump there has no
 ///   coefficient ([`jacobian`](SlidingFriction::jacobian)).
 ///
@@ -181,9 +183,9 @@ pub trait SlidingFriction<R: Real = f64> {
 
     /// Returns true if force and resistance are proportional to the normal force. Default: false.
     ///
-    /// [`EnergyMomentum`](crate::EnergyMomentum) then takes the friction of a touch-down at the mean
-    /// load of the step. It is the same as at the load of the part of the step in which the contact
-    /// touches, and needs no division.
+    /// [`EnergyMomentum`](crate::EnergyMomentum) then takes the friction of a touch-down at the
+    /// mean load of the step. It is the same as at the load of the part of the step in which the
+    /// contact touches, and needs no division.
     #[inline]
     fn is_proportional_to_load(&self) -> bool {
         false
@@ -203,7 +205,8 @@ pub trait SlidingFriction<R: Real = f64> {
     /// Number of surfaces, if the law differs between the surfaces of a ground. Default: `None`,
     /// the law holds for every surface.
     ///
-    /// See [several surfaces](Self#several-surfaces).
+    /// A law that returns `Some` must also override [`with_surface`](Self::with_surface). Otherwise
+    /// the friction is 0. See [several surfaces](Self#several-surfaces).
     #[inline]
     fn surfaces(&self) -> Option<usize> {
         None
@@ -232,12 +235,13 @@ pub trait SlidingFriction<R: Real = f64> {
     ///
     /// A step checks some values of a law that is not trusted, and returns
     /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that the
-    /// force is a number and does no positive work, and that a resistance is finite and at least 0.
-    /// It does not check that the force is along the surface, as
-    /// [`check_friction`](crate::contract::check_friction) does. [`Rk4`](crate::Rk4) and
-    /// [`Nystrom`](crate::Nystrom) check the values of their last stage. Override this method if
-    /// the law keeps its contract for every finite input, and `check_friction` finds no fault. The
-    /// checks then cost nothing. A trusted law that breaks its contract is not detected.
+    /// force is finite and does no positive work, that the torques of a resistance are finite and
+    /// at least 0, and that its turn speed is finite and above 0. It does not check that the force
+    /// is along the surface, as [`check_friction`](crate::contract::check_friction) does.
+    /// [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) check the values of their last stage.
+    /// Override this method if the law keeps its contract for every finite input, and
+    /// `check_friction` finds no fault. The checks then cost nothing. A trusted law that breaks its
+    /// contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
@@ -320,16 +324,17 @@ forward!(alloc::boxed::Box<F>);
 /// decreases as the slip increases.
 ///
 /// The derivative of the force along the slip is approximated by
-/// `coefficient (1 - growth · |slip|/width)`, where `width` is proportional to `|slip|/|force|`.
+/// `-coefficient (1 - growth · |slip|/width)`, where `width` is proportional to `1/coefficient`.
 /// For [`Coulomb`] the width is `|slip| + slip_speed`, and it grows by 1 m/s for each m/s of slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJacobian<R: Real = f64> {
-    /// Ratio `|force|/|slip|`, N s/m, at least 0; at zero slip its limit. The provided
-    /// [`SlidingFriction::jacobian`] returns 0 there.
+    /// Force against the slip per slip, `-force · slip/|slip|²`, N s/m, at least 0. This is
+    /// `|force|/|slip|` if the force is opposite to the slip. At zero slip it is the limit, where
+    /// the provided [`SlidingFriction::jacobian`] returns 0.
     pub coefficient: R,
     /// Derivative of the coefficient with respect to the normal force, s/m.
     pub per_load: R,
-    /// Speed in proportion to `|slip|/|force|`, m/s, above 0.
+    /// Speed in proportion to `1/coefficient` at constant normal force, m/s, above 0.
     pub width: R,
     /// Derivative of the width with respect to the size of the slip, 0 to 1.
     pub growth: R,

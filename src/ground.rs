@@ -118,8 +118,12 @@ use crate::real::{Real, Vector, unit};
     note = "implement `surface`, `spring_force`, `spring_energy` and `normal_force`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait SpringDamperGround<R: Real = f64> {
-    /// Returns the height of `point` (m, world axes) above the surface, and the outward normal
-    /// there.
+    /// Returns the signed distance of `point` (m, world axes) from the surface, and the outward
+    /// normal of the surface there.
+    ///
+    /// The gap must be a distance: a small displacement of the point changes it by
+    /// `normal · displacement`. Otherwise the springs create or destroy energy as a contact moves
+    /// along the surface. For a height z = h(x, y) use a [`Terrain`].
     fn surface(&self, point: R::Vec3) -> Surface<R>;
 
     /// Returns the surface as [`surface`](Self::surface) does, or `None` if a contact with this
@@ -170,7 +174,8 @@ pub trait SpringDamperGround<R: Real = f64> {
 
     /// Number of surfaces, if the ground is made of several. Default: `None`, it is one surface.
     ///
-    /// See [several surfaces](Self#several-surfaces).
+    /// A ground that returns `Some` must also override [`with_surface`](Self::with_surface).
+    /// Otherwise its surfaces exert no force. See [several surfaces](Self#several-surfaces).
     #[inline]
     fn surfaces(&self) -> Option<usize> {
         None
@@ -208,14 +213,14 @@ pub trait SpringDamperGround<R: Real = f64> {
     /// false.
     ///
     /// A step checks some values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that
-    /// forces are finite, that the spring energy is not negative and that the normal has length 1.
-    /// It does not check that the ground never pulls or that its damper dissipates, as
-    /// [`check_ground`](crate::contract::check_ground) does.
-    /// [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) check the values of their last stage.
-    /// Override this method if the law keeps its contract for every finite input, and
-    /// `check_ground` finds no fault. The checks then cost nothing. A trusted law that breaks its
-    /// contract is not detected.
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that no
+    /// gap, force or energy is NaN, that the spring energy is not negative, and that the normal has
+    /// length 1. Infinite values count as an overflow, not as a broken contract. It does not check
+    /// that the ground never pulls or that its damper dissipates, as
+    /// [`check_ground`](crate::contract::check_ground) does. [`Rk4`](crate::Rk4) and
+    /// [`Nystrom`](crate::Nystrom) check the values of their last stage. Override this method if
+    /// the law keeps its contract for every finite input, and `check_ground` finds no fault. The
+    /// checks then cost nothing. A trusted law that breaks its contract is not detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false
@@ -288,7 +293,7 @@ forward!(alloc::boxed::Box<G>);
 /// The surface of the ground relative to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface<R: Real = f64> {
-    /// Height of the point above the surface, m; negative below it.
+    /// Signed distance of the point from the surface, m: positive above it, negative below it.
     pub gap: R,
     /// Outward normal of the surface, unit vector, world axes.
     pub normal: R::Vec3,
@@ -408,7 +413,7 @@ impl<R: Real> Plane<R> {
         self.normal == Self::level(self.height).normal
     }
 
-    /// Returns the height of `point` (m, world axes) above the plane, m; negative below it.
+    /// Returns the signed distance of `point` (m, world axes) from the plane, m: positive above it.
     #[inline]
     #[must_use]
     pub fn gap(&self, point: R::Vec3) -> R {

@@ -74,8 +74,9 @@ pub trait Observer<R: Real = f64> {
     ///
     /// Requested samples are in addition to those after each step. The times must increase: in one
     /// step, an observer receives no more samples after a time that does not. A time before the
-    /// start of the step is not sampled, and an infinite one is never reached. Of two observers in a
-    /// pair the earlier time counts, so that one with a past time keeps the other from its samples.
+    /// start of the step is not sampled, and an infinite one is never reached. Of two observers in
+    /// a pair the earlier time counts, so that one with a past time keeps the other from its
+    /// samples.
     #[inline]
     fn requested_time(&self) -> Option<R> {
         None
@@ -162,8 +163,10 @@ fn smaller<R: Real>(first: Option<R>, second: Option<R>) -> Option<R> {
 pub struct Sample<'a, R: Real = f64> {
     /// Time since the start of the run, s. For an event: since that of the session.
     pub time: R,
-    /// Number of steps since the start of the run; for an event, since that of the session. Within
-    /// a step it is the number at the end of the step, and for an event that at its start.
+    /// Number of steps since the start of the run.
+    ///
+    /// At a [requested time](Observer::requested_time) within a step, that step is included. For an
+    /// event, the steps count from the start of the session, without the step that is searched.
     pub step: u64,
     /// Number of evaluations of the contacts' forces, counted like the steps.
     pub evaluations: u64,
@@ -188,7 +191,8 @@ impl<R: Real> Sample<'_, R> {
         self.scene.dissipation(self.state)
     }
 
-    /// Acceleration, torque and angular velocity.
+    /// Acceleration (m/s²), torque about the centre of mass (N m) and angular velocity (rad/s),
+    /// world axes.
     #[must_use]
     pub fn rates(&self) -> Rates<R> {
         self.scene.rates(self.state)
@@ -226,7 +230,8 @@ pub trait SceneQuery<R: Real = f64> {
     fn energy(&self, state: &State<R>) -> Energy<R>;
     /// Power on the body by cause, W: negative where it dissipates.
     fn dissipation(&self, state: &State<R>) -> Dissipation<R>;
-    /// Acceleration, torque and angular velocity.
+    /// Acceleration (m/s²), torque about the centre of mass (N m) and angular velocity (rad/s),
+    /// world axes.
     fn rates(&self, state: &State<R>) -> Rates<R>;
     /// Energy, dissipation and rates of a state, computed in one pass over its contacts.
     fn account(&self, state: &State<R>) -> EnergyRates<R>;

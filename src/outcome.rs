@@ -75,7 +75,8 @@ use springs::Springs;
 /// }
 /// ```
 pub trait Faces<R: Real = f64>: RigidPointBody<R> {
-    /// Name of a face.
+    /// Name of a face. It stands for one basin. An implementer may name the side that points up,
+    /// as the coins and the cuboid do, or the facet on which the body lies, as [`HullFace`] does.
     type Face: Copy + PartialEq + core::fmt::Debug;
 
     /// Returns the basin of the face that contains the direction `down`, a unit vector in body axes
@@ -106,13 +107,13 @@ forward!(alloc::boxed::Box<B>);
 /// Directions of a body that belong to one face, with the height of their boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basin<F, R = f64> {
-    /// Face of the body.
+    /// Face to which the directions belong, as [`Faces::Face`] names it.
     pub face: F,
     /// Lower bound of the height of the centre of mass over the ground at the boundary, m.
     pub height: R,
 }
 
-/// What is proven about the face on which a body comes to rest.
+/// Outcome of a toss: the face of which it is proven that the body never leaves its basin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome<F> {
@@ -217,7 +218,11 @@ where
         })
     }
 
-    /// Returns the face on which the body stays, if the energy of the state proves it.
+    /// Returns the face whose basin the body never leaves, if the energy of the state proves it.
+    ///
+    /// The coins and [`Cuboid`](crate::Cuboid) name the face that points up at rest:
+    /// [`CoinFace::Heads`](crate::CoinFace) is heads up. [`HullFace`] names the facet on which the
+    /// body lies.
     ///
     /// The proof holds for all later states. The outcome of a later state may still be
     /// [`Undecided`](Outcome::Undecided), if the error bound of its energy is larger: more contacts

@@ -122,13 +122,15 @@ pub trait Real:
     #[must_use]
     fn upper_half(self) -> Self;
 
-    /// Returns the larger of the two numbers, or `other` if `self` is NaN.
+    /// Returns the larger of the two numbers, or `other` if they are equal or if either is NaN. A
+    /// NaN in `self` is dropped, and a NaN in `other` is returned.
     #[inline]
     #[must_use]
     fn at_least(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
-    /// Returns the smaller of the two numbers, or `other` if `self` is NaN.
+    /// Returns the smaller of the two numbers, or `other` if they are equal or if either is NaN. A
+    /// NaN in `self` is dropped, and a NaN in `other` is returned.
     #[inline]
     #[must_use]
     fn at_most(self, other: Self) -> Self {

@@ -21,7 +21,7 @@ impl<R: Real> Rotation<R> {
 
     /// Creates a rotation from glam's quaternion, scaled to length 1.
     ///
-    /// The result is not finite for a quaternion of length 0.
+    /// The result is not finite if the square of the quaternion's length is 0, infinite or NaN.
     #[inline]
     #[must_use]
     pub fn from_quat(quaternion: R::Quat) -> Self {
@@ -100,8 +100,11 @@ impl<R: Real> Rotation<R> {
         (self.w, self.v)
     }
 
-    /// Creates the rotation about `a` by `2 atan(|a|)`, without sine or cosine: the Cayley map of
-    /// `a`, `r' = (1 - â)⁻¹ (1 + â) r`.
+    /// Creates the rotation by `2 atan(|a|)` about `a`, without sine or cosine.
+    ///
+    /// It is the Cayley map `(1 - A)⁻¹ (1 + A)`, where `A` is the matrix of the cross product with
+    /// `a`: `A r = a × r` for every vector r. The result is invalid, with the length 0, if the
+    /// square of `|a|` overflows.
     #[inline]
     #[must_use]
     pub fn cayley(a: R::Vec3) -> Self {

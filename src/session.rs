@@ -58,10 +58,11 @@ use crate::stepper::{Clock, Stepper, has_bits_of};
 ///
 /// *Rest.* If a step of a fixed size leaves the state unchanged, every further step does too. The
 /// session then counts further whole steps without taking them. It also skips an
-/// [`advance`](Self::advance) by the same time as before. Of the adaptive methods,
+/// [`advance`](Self::advance) by the same time as before. The exception is [`run`](Self::run): it
+/// takes every step, because its observer receives each. Of the adaptive methods,
 /// [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) skips steps of the last two sizes
-/// itself, and the others take every step. If a body rests for more than 2³⁰ steps
-/// of a call and then moves in a shorter last step, the size of that step may differ by rounding.
+/// itself, and the others take every step. If a body rests for more than 2³⁰ steps of a call and
+/// then moves in a shorter last step, the size of that step may differ by rounding.
 pub struct Session<
     'a,
     B,
@@ -348,7 +349,7 @@ where
     /// Advances the state by `seconds` and passes samples to `observer`, like [`Stepper::run`].
     ///
     /// Returns the time that the run has covered, s. The samples count time and steps from the
-    /// start of this run.
+    /// start of this run. Each step is taken, also if the body is at rest.
     ///
     /// # Errors
     /// Returns [`StepError`] if [`Stepper::run`] does. State and clock are then those after the

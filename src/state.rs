@@ -94,7 +94,8 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// Rotation from body axes to world axes, normalised to length 1.
+    /// Rotation from body axes to world axes, normalised to length 1. It is not finite if the
+    /// square of the length of `orientation` is 0, infinite or NaN.
     #[inline]
     #[must_use]
     pub fn rotation(&self) -> Rotation<R> {

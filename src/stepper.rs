@@ -34,7 +34,9 @@ use crate::state::State;
 /// Advances the states of one body in one scene in time.
 ///
 /// [`builder`](Self::builder) takes the parts of the scene and checks them once. A part that is not
-/// named costs nothing. Each `with_*` method replaces one part of an existing stepper.
+/// named costs nothing. [`with_ground`](Self::with_ground), [`with_friction`](Self::with_friction),
+/// [`with_gravity`](Self::with_gravity), [`with_force`](Self::with_force) and
+/// [`with_integrator`](Self::with_integrator) each replace one part of an existing stepper.
 ///
 /// The caller owns the state. One stepper therefore serves any number of states, also from several
 /// threads.
@@ -160,7 +162,8 @@ where
     /// Replaces gravity.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the gravity or the weight of the body is not finite.
+    /// Returns [`SceneError`] if the gravity, the weight of the body, or its sum with the constant
+    /// part of the applied force is not finite.
     pub fn with_gravity<A2: Gravity<R>>(
         self,
         gravity: A2,
@@ -169,11 +172,13 @@ where
         Stepper::compose(body, ground, friction, gravity, force, self.integrator)
     }
 
-    /// Replaces the applied force, for example [`AirDrag`](crate::AirDrag). A tuple applies several.
+    /// Replaces the applied force, for example [`AirDrag`](crate::AirDrag). A tuple applies several
+    /// forces.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if a parameter of the force is invalid. The error names the quantity,
-    /// the rule and the value.
+    /// Returns [`SceneError`] if a parameter of the force is invalid, or if the weight together
+    /// with the [constant part](Force::constant_force) of the force is not finite. The error names
+    /// the quantity, the rule and the value.
     pub fn with_force<E2: Force<R>>(
         self,
         force: E2,
@@ -242,7 +247,8 @@ where
     ///
     /// A [`State`] holds the angular momentum, because it is constant in flight. The initial
     /// conditions of a throw mostly give the angular velocity. `state.orientation * vector`
-    /// transforms a vector from body axes to world axes.
+    /// transforms a vector from body axes to world axes. The part of the angular velocity about an
+    /// axis without moment of inertia is lost, as about the axis of a [`Rod`](crate::Rod).
     ///
     /// ```
     /// use tumble::glam::DVec3;
@@ -250,7 +256,8 @@ where
     ///
     /// let stepper = Stepper::new(Coin::ring(1.0, 0.5))?; // kg, m; its normal is body x
     /// let state = State::at(DVec3::Z).with_rotation_vector(DVec3::Y * 0.3); // rad
-    /// let state = stepper.with_angular_velocity(state, state.orientation * DVec3::X * 8.0); // rad/s about its normal
+    /// let spin = state.orientation * DVec3::X * 8.0; // rad/s, about its normal
+    /// let state = stepper.with_angular_velocity(state, spin);
     /// assert!((state.angular_momentum.length() - 1.0 * 0.5 * 0.5 * 8.0).abs() < 1e-12); // m r² ω
     /// assert!((stepper.angular_velocity(&state).length() - 8.0).abs() < 1e-12);
     /// # Ok::<(), tumble::SceneError>(())
@@ -284,18 +291,16 @@ where
     /// ```
     ///
     /// # Errors
+    /// Returns [`StepError::BadState`] if the state is not finite or its orientation is invalid.
     /// Returns [`StepError::BadImpulse`] if the impulse or the point is not finite, or if the
-    /// motion after it is not finite. Returns [`StepError::BadState`] if the state is not finite.
-    /// On an error the state is unchanged.
+    /// motion after it is not finite. On an error the state is unchanged.
     pub fn apply_impulse(
         &self,
         state: &mut State<R>,
         impulse: R::Vec3,
         point: R::Vec3,
     ) -> Result<(), StepError> {
-        if let Some(quantity) = state.not_finite() {
-            return Err(state.error_of(quantity));
-        }
+        state.check()?;
         let finite = |quantity, value: R| {
             let value = value.to_f64();
             let is_finite = value.is_finite();
@@ -325,7 +330,7 @@ where
     }
 
     /// Angular velocity of the body, rad/s, world axes: `ω = J⁻¹ L`, with the inertia tensor `J`
-    /// and the angular momentum `L`.
+    /// and the angular momentum `L`. About an axis without moment of inertia it is 0.
     #[must_use]
     pub fn angular_velocity(&self, state: &State<R>) -> R::Vec3 {
         self.scene.motion(state).angular_velocity
@@ -416,7 +421,7 @@ where
     ///   the friction coefficient `μ` and the normal force `N`. The bound also decreases with the
     ///   penetration depth if the contact law stiffens.
     /// * For a run, take the smallest value along it, as in the example. A body in flight has no
-    ///   bound by contacts. That by quadratic drag decreases as the speed increases.
+    ///   bound by contacts. The bound by quadratic drag decreases as the speed increases.
     /// * The bound does not include rotation. In contact, a step should rotate the body by much
     ///   less than 1 rad.
     /// * The bound is proven for contacts that stick or slide, not in between: where the damping by

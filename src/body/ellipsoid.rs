@@ -11,7 +11,7 @@ use crate::real::{Real, Vector};
 /// The contact point is `s = (a² d_x, b² d_y, c² d_z)/h`. Here a, b, c are the semi-axes and d is
 /// the direction to the ground. The distance of the tangent plane from the middle is
 /// `h = √(a² d_x² + b² d_y² + c² d_z²)`. The point is the gradient of the support function h
-/// (Goldman, *Pyramid Algorithms*, 2003, or any book on quadrics). The force acts at this point.
+/// (Schneider, *Convex Bodies: The Brunn-Minkowski Theory*, section 1.7). The force acts there.
 /// The slip velocity is that of the body's material there, `v + ω × s`.
 ///
 /// *Limits:* the contact is where the normals of body and ground are opposite. Penetration depth
@@ -21,8 +21,9 @@ use crate::real::{Real, Vector};
 /// the middle or an opposite one, and may jump between them as the body moves. Its force has no
 /// potential, the energy error of a [`Ledger`](crate::Ledger) does not tend to 0, and a method with
 /// a tolerance may end with [`StepTooShort`](crate::StepError::StepTooShort). With `EnergyMomentum`
-/// the computed energy never increases there either. One contact transmits no moment about itself,
-/// so the ellipsoid spins on a point without spinning friction.
+/// the computed energy never increases there either. The force of one contact has no moment about
+/// the contact point, so an ellipsoid that spins on a point loses its spin only with
+/// [`WithResistance`](crate::WithResistance).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid<R: Real = f64> {
     pub(super) distribution: MassProperties<R>,

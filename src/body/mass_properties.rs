@@ -42,9 +42,9 @@ use crate::rotation::Rotation;
 pub struct MassProperties<R: Real = f64> {
     /// Mass, kg.
     pub mass: R,
-    /// Centre of mass, m.
+    /// Centre of mass, m, in the axes and from the origin in which the part is described.
     pub centre_of_mass: R::Vec3,
-    /// Inertia tensor about the centre of mass, kg m².
+    /// Inertia tensor about the centre of mass, kg m², in the same axes.
     pub inertia: R::Mat3,
 }
 
@@ -106,7 +106,10 @@ impl<R: Real> MassProperties<R> {
         }
     }
 
-    /// Returns the distribution rotated about the origin: centre of mass `Q c`, inertia `Q J Qᵀ`.
+    /// Returns the distribution rotated about the origin.
+    ///
+    /// With the matrix Q of the rotation, the centre of mass c becomes `Q c`, and the inertia
+    /// tensor J becomes `Q J Qᵀ`.
     #[must_use]
     pub fn rotated(self, rotation: Rotation<R>) -> Self {
         let axes = rotation.axes();
@@ -183,6 +186,7 @@ impl<R: Real> MassProperties<R> {
     /// # Errors
     /// Returns [`SceneError`] in these cases:
     ///
+    /// - There is no vertex.
     /// - The mass or a coordinate is not finite.
     /// - A triangle names a vertex that does not exist.
     /// - The surface is not closed: its triangles' area vectors do not add up to 0 within `√ε` of

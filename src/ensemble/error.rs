@@ -62,8 +62,9 @@ pub enum EnsembleError {
          -z, and any other force must be passive (`Force::is_passive`)"
     )]
     NoBarriers,
-    /// A loaded result contradicts itself.
-    #[error("a loaded result must be consistent: {rule}")]
+    /// A result contradicts itself: a loaded one breaks a rule, or the histograms of two merged
+    /// results would have more than 2⁶³ values.
+    #[error("a result must be consistent: {rule}")]
     Inconsistent {
         /// Rule that the result breaks.
         rule: &'static str,

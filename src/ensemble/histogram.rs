@@ -89,7 +89,7 @@ impl Histogram {
         self.below
     }
 
-    /// Returns the number of values above the last bin.
+    /// Returns the number of values at or above the high end.
     #[must_use]
     pub fn above(&self) -> u64 {
         self.above

@@ -3,12 +3,15 @@
 use crate::error::{Rule, SceneError};
 use crate::quadrature::bisect;
 
-/// Returns the interval of Wilson for the probability behind `count` successes in `total` trials.
+/// Returns Wilson's confidence interval `[low, high]` for the probability of a success, from
+/// `count` successes in `total` trials.
 ///
-/// With the fraction `p = count/total` and the quantile z of the confidence, the ends are
+/// `confidence` is the nominal coverage, above 0 and below 1, for example 0.95. Let n be `total`
+/// and `p = count/n` the observed fraction. Let z be the two-sided quantile of the standard normal
+/// distribution: a normal number x has `|x| <= z` with the probability `confidence`. The ends are
 ///
 /// ```text
-/// (p + z²/2n ± z √(p (1 - p)/n + z²/4n²)) / (1 + z²/n)
+/// (p + z²/(2 n) ± z √(p (1 - p)/n + z²/(4 n²))) / (1 + z²/n)
 /// ```
 /// Source: E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209. The trials are independent. The
 /// coverage is near the confidence on average over p, and not exact for each p. Without a trial it

@@ -59,6 +59,10 @@ pub enum RandomOrientation {
         /// world x.
         tilt: Uniform,
         /// Angle of rotation of the body about the axis, rad.
+        ///
+        /// At the phase 0 and the tilt 0, the body is rotated from the world axes by the shortest
+        /// rotation that brings the axis to world z. If the unit axis has a z component below -1/2,
+        /// half a revolution about x comes first.
         phase: Uniform,
     },
 }
@@ -106,7 +110,9 @@ pub enum Sampling {
     /// Independently.
     #[default]
     Independent,
-    /// Stratified in the phase, and independently otherwise: [`Toss::stratified`].
+    /// Stratified in the phase, and independently otherwise: [`Toss::stratified`]. With
+    /// [`RandomOrientation::Uniform`], the first of the three random numbers of the orientation is
+    /// stratified.
     StratifiedPhase {
         /// Number of strata, at least 1.
         strata: u32,

@@ -71,7 +71,11 @@ impl<L> Stop<L> {
         }
     }
 
-    /// Adds a rule: the run ends if Wilson's interval for a label is at most as wide as `width`.
+    /// Returns the rules with a limit on the width: the run ends if Wilson's interval for `label`
+    /// is at most as wide as `width` (a fraction, 0 to 1).
+    ///
+    /// A second call replaces the label, the confidence and the width of the first. With a limit on
+    /// the [time](Self::after) too, the run ends at whichever is reached first.
     ///
     /// *Limit:* the interval is evaluated after each block, and the run ends at a moment that
     /// depends on it. Its coverage is then a little below the confidence. For an exact statement,
@@ -89,7 +93,8 @@ impl<L> Stop<L> {
         })
     }
 
-    /// Adds a rule: the run ends after the first block that ends later than `time`.
+    /// Returns the rules with a limit on the time: the run ends after the first block that ends at
+    /// `time` or later, counted from the start of the run. A second call replaces the time.
     #[must_use]
     pub fn after(self, time: Duration) -> Self {
         Self {

@@ -56,27 +56,29 @@ impl<'a> Toss<'a> {
         between.into().at(fraction)
     }
 
-    /// Returns a stratified uniform number between 0 and 1.
+    /// Returns a stratified uniform number, at least 0 and below 1.
     ///
-    /// Toss i is uniform in stratum `i mod strata` of as many equal strata. Each group of `strata`
-    /// tosses in succession has one number in each stratum, so that their mean varies less than
-    /// that of independent numbers. With 0 or 1 strata it is [`fraction`](Self::fraction).
+    /// Toss i is uniform in stratum `i mod strata` of as many equal strata. The tosses of a group,
+    /// `k strata` to `(k + 1) strata - 1`, have one number in each stratum, so that their mean
+    /// varies less than that of independent numbers. With 0 or 1 strata it is
+    /// [`fraction`](Self::fraction).
     pub fn stratified(&mut self, strata: u32) -> f64 {
         let strata = strata.max(1);
         let stratum = self.number % u64::from(strata);
-        (stratum as f64 + self.fraction()) / f64::from(strata)
+        within(stratum as f64, self.fraction(), strata)
     }
 
-    /// Returns a uniform number between 0 and 1 of a Latin hypercube, for one of its coordinates.
+    /// Returns a number of a Latin hypercube, at least 0 and below 1, for one coordinate.
     ///
-    /// Each group of `strata` tosses has one number in each stratum, in an order that is random and
-    /// independent for each group and coordinate (McKay, Beckman & Conover, Technometrics 21,
-    /// 1979). With 0 or 1 strata it is [`fraction`](Self::fraction). The cost is proportional to
-    /// `strata`.
+    /// `coordinate` numbers the random quantities of a toss. A [`RandomStart`](super::RandomStart)
+    /// uses 0 to 7. The tosses `k strata` to `(k + 1) strata - 1` form a group. Each group has one
+    /// number in each stratum, in an order that is random and independent for each group and
+    /// coordinate (McKay, Beckman & Conover, Technometrics 21, 1979). With 0 or 1 strata it is
+    /// [`fraction`](Self::fraction). The cost is proportional to `strata`.
     pub fn latin(&mut self, strata: u32, coordinate: u32) -> f64 {
         let strata = strata.max(1);
         let stratum = self.latin_stratum(strata, coordinate);
-        (stratum as f64 + self.fraction()) / f64::from(strata)
+        within(stratum as f64, self.fraction(), strata)
     }
 
     /// Stratum of this toss in the random order of its group.
@@ -124,5 +126,25 @@ impl<'a> Toss<'a> {
         };
         self.records.push((at, value));
         Ok(())
+    }
+}
+
+/// Number within a stratum of the unit interval. Rounding of the last stratum could give 1.
+fn within(stratum: f64, fraction: f64, strata: u32) -> f64 {
+    ((stratum + fraction) / f64::from(strata)).min(1.0 - f64::EPSILON / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::within;
+
+    #[test]
+    fn no_stratum_ends_with_1() {
+        let last = 1.0 - f64::EPSILON / 2.0;
+        assert!((1.0 + last) / 2.0 >= 1.0);
+        for strata in [1, 2, 3, 1000, u32::MAX] {
+            assert!(within(f64::from(strata - 1), last, strata) < 1.0);
+        }
+        assert!((within(1.0, 0.5, 4) - 0.375).abs() < 1e-15);
     }
 }

@@ -45,8 +45,8 @@ impl<R: Real> AirDrag<R> {
         }
     }
 
-    /// Creates the linear drag of a sphere of `radius` (m) in a fluid of dynamic `viscosity` (Pa s):
-    /// `6 π η r` (Stokes). Air at 20 °C has 1.8e-5 Pa s.
+    /// Creates the linear drag of a sphere of `radius` (m) in a fluid of dynamic `viscosity` (Pa
+    /// s): `6 π η r` (Stokes). Air at 20 °C has 1.8e-5 Pa s.
     #[must_use]
     pub fn stokes(radius: R, viscosity: R) -> Self {
         Self::linear(R::from_f64(6.0 * PI) * viscosity * radius)

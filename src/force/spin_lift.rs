@@ -17,8 +17,8 @@ use crate::state::Motion;
 /// air. A ball with topspin is pressed down. The force is perpendicular to the velocity, so it does
 /// no work.
 ///
-/// [`tennis_ball`](Self::tennis_ball) has slope 1 and limit 1/2, hence `C_L = 1/(2 + v/(r ω))`
-/// (Stepanek, Am. J. Phys. 56, 138, 1988).
+/// [`tennis_ball`](Self::tennis_ball) has slope 1 and limit 1/2, hence `C_L = 1/(2 + v/(r ω))`:
+/// the fit of Stepanek, rounded (Am. J. Phys. 56, 138, 1988).
 ///
 /// *Limits:* the coefficient is a fit for rough balls at S from 0.05 to 0.6. A smooth ball can have
 /// a lift of the other sign near its drag crisis. Use [`Wind`](super::Wind) for moving air.

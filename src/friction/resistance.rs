@@ -77,9 +77,10 @@ fn split<R: Real>(normal: R::Vec3, angular_velocity: R::Vec3) -> (R::Vec3, R::Ve
 /// `spinning · N`: see [`RollingResistance`]. Both lengths are the usual ones:
 ///
 /// * *Rolling:* a wheel that the force `f · N` keeps rolling has `rolling = f · radius`.
-/// * *Spinning:* a ball of radius r at the penetration depth d has a contact patch of radius
-///   `a = √(2 r d)`. Coulomb's law under Hertz's pressure gives `spinning = 3π/16 μ a` (Johnson,
-///   Contact Mechanics, 1985).
+/// * *Spinning:* a ball of radius r on an elastic plane has a contact patch of radius `a = √(r d)`
+///   at the penetration depth d (Hertz). Coulomb's law under Hertz's pressure gives
+///   `spinning = 3π/16 μ a` (Johnson, Contact Mechanics, 1985). On a bed of independent springs
+///   (Winkler) the patch has `a = √(2 r d)`, and the same integral gives `spinning = 8/15 μ a`.
 ///
 /// ```
 /// use tumble::{Coulomb, WithResistance};

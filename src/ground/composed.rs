@@ -28,8 +28,8 @@ use crate::real::Real;
 /// then has a tangential part, `-(d²/2) ∇k`, which pushes a loaded contact towards the soft side.
 ///
 /// * *Without this part* energy is created. A contact that slides at depth d from k₁ to k₂ gains
-///   `(k₂ - k₁) d²/2` at each bounce. Sliding slowly under the weight W it is raised by
-///   `W²/2 (1/k₁ - 1/k₂)`: 0.024 J for 1 kg from 1000 to 2000 N/m.
+///   `(k₂ - k₁) d²/2` at each bounce. If the body slides slowly under its weight W, its energy
+///   increases by `W²/2 (1/k₁ - 1/k₂)`: 0.024 J for 1 kg from 1000 to 2000 N/m.
 /// * *With this part* a force acts along the ground that is no friction.
 ///
 /// For this reason a law takes the depth and not the position.

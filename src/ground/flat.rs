@@ -15,9 +15,9 @@ use crate::real::Real;
 ///
 /// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at touch-down. An
 /// explicit method then has order 1 only. A point of mass m bounces with restitution
-/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`, at every speed whose square is
-/// far above `(g/ω)²`, with `ω = √(stiffness/m)`. The restitution of a real ball decreases with its
-/// speed.
+/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m)) < 1`, at every speed whose square
+/// is far above `(g/ω)²`, with `ω = √(stiffness/m)`. [`SpringDamper`](crate::SpringDamper) has the
+/// restitution for a larger ζ. That of a real ball decreases with its speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

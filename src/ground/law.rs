@@ -30,8 +30,8 @@ use crate::real::Real;
 ///
 /// | law | force at depth d, closing speed u | restitution | force at touch-down | use it for |
 /// |---|---|---|---|---|
-/// | [`SpringDamper`] | `max(0, k d + c u)` | the same at every speed, any from 1 to 0 | jumps to `c u` | the ground of the coin report; bodies that shall come to rest soon |
-/// | [`LimitedDamper`] | `k d + c u`, the damper's part within `± k d` | the same at every speed, any from 1 to 0 | continuous | the same bodies with explicit methods, which keep more of their order |
+/// | [`SpringDamper`] | `max(0, k d + c u)` | the same at every speed, any from 1, above 0 | jumps to `c u` | the ground of the coin report; bodies that shall come to rest soon |
+/// | [`LimitedDamper`] | `k d + c u`, the damper's part within `± k d` | the same at every speed, any from 1, above 0 | continuous | the same bodies with explicit methods, which keep more of their order |
 /// | [`HuntCrossley`] with exponent 1 | `k d max(0, 1 + λ u)` | decreases with the speed, `1 - 2 λ u/3` for slow bounces | continuous | balls whose restitution decreases with the speed |
 /// | [`HuntCrossley`] with exponent 3/2 | `k d^(3/2) max(0, 1 + λ u)` | as with exponent 1 | continuous, with a continuous slope | an elastic ball on an elastic plane (Hertz), or points with a soft touch-down |
 ///
@@ -98,12 +98,13 @@ pub trait ContactLaw<R: Real = f64> {
     /// false.
     ///
     /// A step checks some values of a law that is not trusted, and returns
-    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that
-    /// forces are finite, and that the spring energy is not negative. It does not check that the
-    /// law never pulls or that its damper dissipates, as
-    /// [`check_ground`](crate::contract::check_ground) does. Override this method if the law keeps
-    /// its contract for every finite input, and `check_ground` finds no fault. The checks then cost
-    /// nothing. A trusted law that breaks its contract is not detected.
+    /// [`StepError::BrokenLaw`](crate::StepError::BrokenLaw) if they break the contract: that no
+    /// force or energy is NaN, and that the spring energy is not negative. Infinite values count as
+    /// an overflow, not as a broken contract. It does not check that the law never pulls or that
+    /// its damper dissipates, as [`check_ground`](crate::contract::check_ground) does. Override
+    /// this method if the law keeps its contract for every finite input, and `check_ground` finds
+    /// no fault. The checks then cost nothing. A trusted law that breaks its contract is not
+    /// detected.
     #[inline]
     fn is_trusted(&self) -> bool {
         false

@@ -23,8 +23,8 @@ use crate::real::Real;
 ///
 /// *Limit:* a shape is one surface. Consider a groove of two planes at a right angle, where the gap
 /// is the distance to the nearest plane. The ground then pushes a ball along one normal at a time.
-/// Two surfaces push with `k d` each and lift with `√2 k d`. One surface lifts with `k d/√2`, so the
-/// ball penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on 7071 N/m. A groove is
+/// Two surfaces push with `k d` each and lift with `√2 k d`. One surface lifts with `k d/√2`, so
+/// the ball penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on 7071 N/m. A groove is
 /// therefore a ground of [several surfaces](crate::SpringDamperGround#several-surfaces).
 ///
 /// ```
@@ -48,8 +48,12 @@ use crate::real::Real;
     note = "implement `surface`; the precision `{R}` of body, ground, friction and gravity must be the same"
 )]
 pub trait Shape<R: Real = f64> {
-    /// Returns the height of `point` (m, world axes) above the surface, and the outward normal
-    /// there.
+    /// Returns the signed distance of `point` (m, world axes) from the surface, and the outward
+    /// normal of the surface there.
+    ///
+    /// The gap must be a distance: a small displacement of the point changes it by
+    /// `normal · displacement`. Otherwise the springs create or destroy energy as a contact moves
+    /// along the surface. For a height z = h(x, y) use a [`Terrain`](crate::Terrain).
     fn surface(&self, point: R::Vec3) -> Surface<R>;
 
     /// Returns the surface as [`surface`](Self::surface) does, or `None` if a contact with this

@@ -111,9 +111,9 @@ pub use workspace::Workspace;
 /// ```
 ///
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
-///   the damper force. The order is 1 in three cases: a friction law of your own that jumps to 0 with
-///   the load, at a touch-down, a contact that crosses an edge of a [`Block`](crate::Block), and a
-///   smooth body in a valley that is more curved than itself, whose force has no potential
+///   the damper force. The order is 1 in three cases: a friction law of your own that jumps to 0
+///   with the load, at a touch-down, a contact that crosses an edge of a [`Block`](crate::Block),
+///   and a smooth body in a valley that is more curved than itself, whose force has no potential
 ///   ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Two laws act otherwise* than in explicit methods, at any step size: a friction whose force
 ///   leaves the surface ([`AnisotropicCoulomb`](crate::AnisotropicCoulomb) away from its plane),

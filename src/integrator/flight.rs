@@ -31,12 +31,13 @@ use crate::state::State;
 ///
 /// ```text
 /// x(t) = x + v t + g t²/2      v(t) = v + g t
-/// q(t) = exp(t L/I₁) q exp(t (L·a)(1/I₃ - 1/I₁) a)      for two equal moments
+/// q(t) = exp(t L/I₁) q exp(t s a)     s = (L·a')(1/I₃ - 1/I₁)     for two equal moments
 /// ```
-/// Here `L` is the angular momentum, `a` the axis of symmetry, `I₃` the moment of inertia about it,
-/// and `I₁` the two equal moments. For three different moments the rotation is [`FreeRotation`].
-/// The flight ends before the first touch-down. From there the wrapped integrator `I` takes the
-/// steps.
+/// Here `exp` is the rotation by a rotation vector, and `L` is the angular momentum. The axis of
+/// symmetry is `a` in body axes, and `a'` in world axes at the start. `I₃` is the moment of inertia
+/// about it, and `I₁` the two equal moments. For three different moments the rotation is
+/// [`FreeRotation`]. The flight ends before the first touch-down. From there the wrapped integrator
+/// `I` takes the steps.
 ///
 /// *Fixed steps:* with a method of a [fixed step](Integrator::fixed_step) the flight lasts a whole
 /// number of steps. The body then reaches the ground at the same point of the time grid as without
@@ -53,7 +54,8 @@ use crate::state::State;
 /// different moments they have twice the digits.
 ///
 /// *Applied force:* a scene with an applied force ([`Force`](crate::Force)) has no closed form, and
-/// the wrapped integrator takes all steps. A constant force does not matter.
+/// the wrapped integrator takes all steps. A force with a constant part only, such as
+/// [`ConstantForce`](crate::ConstantForce), acts like gravity and keeps the closed form.
 ///
 /// *Ground:* over a ground with [`GroundBounds::Everywhere`] there is no gain. While the body is in
 /// contact, each step costs one more search for its lowest point.

@@ -219,11 +219,15 @@ pub struct Step<R = f64> {
     ///
     /// It is the energy that the error of the solver would have added.
     pub energy_removed: R,
-    /// Work of the drives of the scene, J, from [`EnergyMomentum`](crate::EnergyMomentum): of a force
-    /// that is [not passive](crate::Force::is_passive), and of a [ground that
-    /// moves](crate::MovingGround). The energy after the step is at most the energy
-    /// before it plus this work, as computed. It is 0 without a drive. Other integrators state 0;
-    /// the [`Ledger`](crate::Ledger) computes the work for every integrator.
+    /// Work of the drives of the scene in the step, J.
+    ///
+    /// Drives are a force that is [not passive](crate::Force::is_passive) and a [ground that
+    /// moves](crate::MovingGround). [`EnergyMomentum`](crate::EnergyMomentum),
+    /// [`CompactEnergyMomentum`](crate::CompactEnergyMomentum) and
+    /// [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) state it: the energy after their
+    /// step is at most the energy before it plus this work, as computed. It is 0 without a drive.
+    /// The other integrators always return 0. The [`Ledger`](crate::Ledger) computes the work for
+    /// every integrator.
     pub drive_work: R,
     /// Estimate of the error that the step has added, m, from an adaptive method.
     ///

@@ -6,7 +6,9 @@ use super::{Observer, Sample};
 use crate::error::{Rule, SceneError};
 use crate::real::Real;
 
-/// Passes only every `steps`-th sample to another observer, starting with the first.
+/// Passes only every `steps`-th sample to another observer, starting with the first of each run.
+///
+/// The count starts again in each run, so short runs pass at least one sample each.
 ///
 /// It passes on the samples after steps only. A time that the other observer requests, as
 /// [`Timed`](super::Timed) does, is not requested of the run.

@@ -64,7 +64,8 @@ where
         self.outcome
     }
 
-    /// Returns the face on which the body stays, or `None` if it is undecided.
+    /// Returns the face that is [decided](Barriers::outcome), or `None` if it is undecided. For
+    /// coins and cuboids it is the face that points up at rest.
     #[must_use]
     pub fn face(&self) -> Option<<D::Body as Faces<R>>::Face> {
         match self.outcome {

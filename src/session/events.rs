@@ -90,8 +90,10 @@ where
     /// So the error is that of the method. Where a method is exact in flight, it is rounding, below
     /// 1e-12 s in the first seconds. In contact, it has the order of the method.
     ///
-    /// *Cost:* each step costs an evaluation of the forces and two of each event. An occurrence
-    /// costs some ten steps, which are not counted. A run without events costs nothing of that.
+    /// *Cost:* each step costs one evaluation of the contact forces and three values of each event,
+    /// or one value of an event that [counts](Event::is_a_number). Without an event, as with `[]`,
+    /// the forces are evaluated too. An occurrence costs some ten further steps. None of this is
+    /// included in the counts of steps and evaluations.
     ///
     /// ```
     /// use core::ops::ControlFlow;
@@ -257,8 +259,8 @@ struct StepPath<'a, B, G, F, A, I: Integrator<R>, R: Real, E> {
     state: State<R>,
     /// Workspace of an adaptive method at the start of the step.
     workspace: Option<I::Workspace>,
-    /// Workspace of any other method, once a moment within the step was evaluated. No result depends
-    /// on it. A new one in each step cost `EnergyMomentum` seven times the step.
+    /// Workspace of any other method, once a moment within the step was evaluated. No result
+    /// depends on it. A new one in each step cost `EnergyMomentum` seven times the step.
     scratch: Option<I::Workspace>,
     /// Clock of the session at the start of the run.
     session: Clock<R>,

@@ -100,8 +100,9 @@ impl<R: Real, B, G, F, A, I, E> StepperBuilder<B, G, F, A, I, R, E> {
     ///
     /// # Errors
     /// Returns [`SceneError`] if a part is invalid, if the integrator cannot step the body, or if
-    /// the weight, the bounding radius, or the inverse of the mass or of a moment of inertia overflows.
-    /// The error names the quantity, the rule and the value.
+    /// there are several friction laws and their number is not that of the surfaces. Also returns
+    /// it if the weight, the constant force, the bounding radius, or the inverse of the mass or of
+    /// a moment of inertia overflows. The error names the quantity, the rule and the value.
     pub fn build(self) -> Result<Stepper<B, G, F, A, I, R, E>, SceneError>
     where
         B: RigidPointBody<R>,

@@ -38,8 +38,8 @@ where
     /// | part | in lanes |
     /// |---|---|
     /// | integrator | [`SymplecticEuler`], [`StrangSplitting`], [`Rk4`], [`Nystrom`]; not others |
-    /// | ground, body | bare points on a level plane at rest; others state by state |
-    /// | contact law, friction law | any, also your own, with its tests |
+    /// | ground, body | contacts of radius 0 on a level plane at rest; others state by state |
+    /// | contact law, friction law | any, also your own, whose values are tested as in one step |
     /// | moments of inertia | three equal ones, or two equal and a larger one (else one by one) |
     /// | applied force | state by state |
     ///

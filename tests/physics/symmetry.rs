@@ -786,6 +786,28 @@ fn an_impulse_that_is_not_finite_is_refused_and_leaves_the_state() {
     assert_eq!(session.state().angular_momentum, DVec3::Y * 0.5);
 }
 
+/// The angular velocity of a rod is that of its orientation, which would be NaN.
+#[test]
+fn an_impulse_on_an_invalid_orientation_names_the_orientation() {
+    let invalid = State::at(DVec3::Z).with_orientation(DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+    let of_rod = Stepper::new(Rod::new(1.0, 0.5)).unwrap();
+    let of_coin = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();
+    let mut states = [invalid; 2];
+    let [rod, coin] = &mut states;
+    let refused = [
+        of_rod.apply_impulse(rod, DVec3::X, DVec3::ZERO),
+        of_coin.apply_impulse(coin, DVec3::X, DVec3::ZERO),
+    ];
+    for error in refused {
+        let quantity = tumble::error::Quantity::Orientation;
+        assert!(
+            matches!(error, Err(StepError::BadState { quantity: found, .. }) if found == quantity),
+            "{error:?}"
+        );
+    }
+    assert_eq!(states, [invalid; 2]);
+}
+
 #[test]
 fn an_impulse_leaves_the_angular_momentum_of_a_point_as_it_is() {
     let stepper = Stepper::new(PointMass::new(1.0)).unwrap();

@@ -64,13 +64,15 @@ impl<R: Real> HuntCrossley<R> {
         }
     }
 
-    /// Creates the law by which a body penetrates by `depth` (m) in an impact of this speed and
-    /// restitution.
+    /// Creates the law by which a body penetrates by `depth` (m, above 0) in an impact of this
+    /// speed and restitution, with this `exponent` (at least 1).
     ///
     /// The result holds without gravity during the bounce, for contacts that touch together under
-    /// the centre of mass. The damping solves the relation of [`HuntCrossley`] between restitution
-    /// and speed. The stiffness is then `(n + 1) m (v/λ - ln(1 + λ v)/λ²)/depth^(n+1)`. An elastic
-    /// bounce with exponent 3/2 takes `2.943 depth/speed`.
+    /// the centre of mass. The damping λ solves the relation of [`HuntCrossley`] between
+    /// restitution and speed v. The stiffness is then
+    /// `(n + 1) m (v/λ - ln(1 + λ v)/λ²)/depth^(n+1)`, with the exponent n and the mass m that each
+    /// contact carries (`carried.mass/carried.contacts`). An elastic bounce with exponent 3/2 takes
+    /// `2.943 depth/speed`.
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping
@@ -146,7 +148,9 @@ impl<R: Real> HuntCrossley<R> {
     /// Creates the law on which a body penetrates by `sink_depth` (m, above 0) at rest under a
     /// gravity of this size (m/s², above 0), and that gives this impact its restitution.
     ///
-    /// The stiffness is `m g/depthⁿ`. The damping is that of [`from_bounce`](Self::from_bounce).
+    /// The stiffness is `m g/sink_depthⁿ`, with the exponent n and the mass m that each contact
+    /// carries (`carried.mass/carried.contacts`). The damping is that of
+    /// [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors
     /// Returns [`SceneError`] if a number is outside its range, or if the stiffness or the damping

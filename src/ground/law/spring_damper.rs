@@ -15,9 +15,10 @@ use crate::real::Real;
 ///
 /// *Limits:* the damper's force jumps from 0 to `damping · closing_speed` at touch-down. An
 /// explicit method then has order 1 only. A point of mass m bounces with restitution
-/// `exp(-2ζ arccos(ζ)/√(1-ζ²))`, `ζ = damping/(2 √(stiffness m))`. This holds at every speed whose
-/// square is far above `(g/ω)²`, `ω = √(stiffness/m)`. The restitution of a real ball decreases
-/// with its speed ([`HuntCrossley`](crate::HuntCrossley)).
+/// `exp(-2ζ α)`, with `α = arccos(ζ)/√(1-ζ²)` and `ζ = damping/(2 √(stiffness m))`. For ζ = 1, α is
+/// 1, and for ζ > 1 it is `arcosh(ζ)/√(ζ²-1)`. So the restitution is above 0 for every damping. It
+/// holds at every speed whose square is far above `(g/ω)²`, with `ω = √(stiffness/m)`. The
+/// restitution of a real ball decreases with its speed ([`HuntCrossley`](crate::HuntCrossley)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpringDamper<R = f64> {
@@ -53,7 +54,8 @@ impl<R: Real> SpringDamper<R> {
     /// gravity of this size (m/s², above 0), and bounces with this restitution (-, above 0, at most
     /// 1).
     ///
-    /// The stiffness is `m g/depth`. The restitution has the limits of
+    /// The stiffness is `m g/sink_depth`, with the mass m that each contact carries
+    /// (`carried.mass/carried.contacts`). The restitution has the limits of
     /// [`from_bounce`](Self::from_bounce).
     ///
     /// # Errors

@@ -42,11 +42,12 @@ use stages::{Equations, Increments, NODES, STAGES, Solution, WEIGHTS, difference
 /// Radau's implicit method of order 5 with a tolerance: for bodies that stick or roll at a small
 /// slip speed, and for stiff ground.
 ///
-/// Where friction sticks, the step of an explicit method is limited by `2 slip_speed/(3 μ g)`,
-/// whatever the tolerance. This method has no such limit (Radau IIA with three stages, L-stable). A
-/// ball that rolls at a slip speed of 1e-6 m/s takes a few hundred steps a second for a tolerance
-/// of 1e-9 m, where [`DormandPrince54`](crate::DormandPrince54) exceeds its default budget of a
-/// million.
+/// Where friction sticks, the step of an explicit method is limited to about `2.8 slip_speed/(a μ
+/// g)`, whatever the tolerance. Here μ is the coefficient of friction, g is gravity, and `a = 1 + m
+/// r²/I` is 3 for a ring and 3.5 for a solid ball. This method has no such limit (Radau IIA with
+/// three stages, L-stable). A ball that rolls at a slip speed of 1e-6 m/s takes a few hundred steps
+/// a second for a tolerance of 1e-9 m, where [`DormandPrince54`](crate::DormandPrince54) exceeds
+/// its default budget of a million.
 ///
 /// ```
 /// use tumble::glam::DVec3;

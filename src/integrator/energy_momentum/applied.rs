@@ -370,7 +370,8 @@ impl<R: Real, D: Dynamics<R>> Pose<'_, R, D> {
         Wrench::ZERO.plus(&given, R::ONE / factor)
     }
 
-    /// Size of the momentum at the start, N s, with the angular momentum as in [`size`](Self::size).
+    /// Size of the momentum at the start, N s, with the angular momentum as in
+    /// [`size`](Self::size).
     fn momentum(&self) -> R {
         let mass = self.scene.inertia_properties().mass();
         self.size(&Wrench {

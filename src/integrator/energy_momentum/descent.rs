@@ -15,12 +15,12 @@
 //! throw the body out of the ground. Dampers and friction only add to the resistance.
 //!
 //! For a body without velocity, the forces at the start bound what the search can gain. Let `f` be
-//! the force of gravity and springs there, and `z₁ = h² M⁻¹ f` the motion that it would cause alone.
-//! Springs push back more on the way, so that `U(0) - U(z) <= f·z`. With `Φ(z) <= Φ(0)` it follows
-//! that `zᵀ M z <= 2 h² f·z = 2 zᵀ M z₁`, so z is at most twice as long as `z₁` in the metric of M.
-//! Therefore `U(0) - U(z) <= 4 T`, with the kinetic energy `T = z₁ᵀ M z₁/(2 h²)` of that motion.
-//! Contacts that carry the weight leave T within rounding, and the search is left out. On a ridge
-//! the bound on `U` does not hold, and a body that is balanced there stays.
+//! the force of gravity and springs there, and `z₁ = h² M⁻¹ f` the motion that it would cause
+//! alone. Springs push back more on the way, so that `U(0) - U(z) <= f·z`. With `Φ(z) <= Φ(0)` it
+//! follows that `zᵀ M z <= 2 h² f·z = 2 zᵀ M z₁`, so z is at most twice as long as `z₁` in the
+//! metric of M. Therefore `U(0) - U(z) <= 4 T`, with the kinetic energy `T = z₁ᵀ M z₁/(2 h²)` of
+//! that motion. Contacts that carry the weight leave T within rounding, and the search is left out.
+//! On a ridge the bound on `U` does not hold, and a body that is balanced there stays.
 
 use super::shared::{motion_of, visit_contacts};
 use crate::contact::Contact;
@@ -306,8 +306,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         }
     }
 
-    /// Equations of the Newton step from the end of a displacement, with all terms multiplied by h²:
-    /// `(M + h² K + h C) Δz = M (z₀ - z) + h² f - h C z`.
+    /// Equations of the Newton step from the end of a displacement, with all terms multiplied by
+    /// h²: `(M + h² K + h C) Δz = M (z₀ - z) + h² f - h C z`.
     #[inline(never)]
     fn equations(&self, end: &State<R>, way: &Way<R>) -> Equations<R> {
         let h = self.seconds;

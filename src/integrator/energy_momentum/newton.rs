@@ -597,7 +597,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         self.is_progress(here) && is_close && !(self.is_moving && is_single::<R>())
     }
 
-    /// Returns true if Newton's step is not much larger than a residual that it squares to rounding.
+    /// Returns true if Newton's step is not much larger than a residual that it squares to
+    /// rounding.
     ///
     /// Where friction or springs exceed the inertia by more than the precision, rounding of the
     /// matrix hides the inertia, and the step may be of any size.

@@ -64,8 +64,8 @@ impl<R: Real> Strain<R> {
         self.friction * path
     }
 
-    /// Strain of friction and dampers in a step, `z = h Σc/m`, as for contacts without an arm. A step
-    /// does not resolve a strain above 2.
+    /// Strain of friction and dampers in a step, `z = h Σc/m`, as for contacts without an arm. A
+    /// step does not resolve a strain above 2.
     #[inline]
     pub(super) fn of_step<D>(&self, problem: &Problem<'_, R, D>) -> Self {
         let factor = problem.seconds / problem.mass;
@@ -76,8 +76,8 @@ impl<R: Real> Strain<R> {
         }
     }
 
-    /// Returns the strain in a step with that of dampers for the effective masses of their contacts,
-    /// at the orientation of the `end`. It is computed only if it may exceed 2.
+    /// Returns the strain in a step with that of dampers for the effective masses of their
+    /// contacts, at the orientation of the `end`. It is computed only if it may exceed 2.
     #[inline]
     pub(super) fn with_arms<D: Dynamics<R>>(
         self,
@@ -101,8 +101,8 @@ impl<R: Real> Strain<R> {
         self.friction == R::ZERO && self.damping == R::ZERO
     }
 
-    /// Returns true if the dampers hide the inertia in the rounding of their force. A trial may then
-    /// pass for a solution whatever its momentum is.
+    /// Returns true if the dampers hide the inertia in the rounding of their force. A trial may
+    /// then pass for a solution whatever its momentum is.
     #[inline]
     pub(super) fn hides_inertia(&self) -> bool {
         self.damping * R::EPSILON > R::from_f64(MOST_OF_PRECISION)

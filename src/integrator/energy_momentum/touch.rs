@@ -106,7 +106,8 @@ impl<R: Real> Push<R> {
     }
 
     /// Part of the step for which the contact touches, at least `EPSILON`. It is the whole one if
-    /// both ends are above the ground, as of a contact whose force Newton's last step has predicted.
+    /// both ends are above the ground, as of a contact whose force Newton's last step has
+    /// predicted.
     pub(super) fn part_in_contact(&self) -> R {
         let deeper = self.depth.at_least(self.end_depth);
         if deeper <= R::ZERO {

@@ -15,6 +15,10 @@ use crate::state::State;
 /// ```text
 /// ω = J⁻¹ L;   q' = exp(dt ω) q;   x' = x + dt v;   v' = v + dt (F/m + g);   L' = L + dt Σ r' × F
 /// ```
+/// Here x and v are position and velocity of the centre of mass, q is the orientation, L the
+/// angular momentum, J the inertia tensor, m the mass and g gravity. F is a force (in `F/m` the
+/// sum of all forces), and r' its arm after the rotation. A prime marks the end of the step.
+///
 /// The forces are those at the old positions and velocities. The torque uses the *new* arms r' with
 /// these old forces. The loop of the report computes the slip velocity from the angular velocity of
 /// the previous step. A plain state does not hold it, so the two differ by O(dt).

@@ -92,8 +92,8 @@ pub(in crate::integrator) use stages::{Stage, Start};
 /// through touch-downs.
 ///
 /// [`guide::choosing`](crate::guide::choosing#robust-settings) lists the longest step size for an
-/// error of 0.1 mm in each trial of the coin report, and `tests/physics/truth.rs` compares the error
-/// with that of [`Rk4`](crate::Rk4) in trial 1, with 150 touch-downs in a second.
+/// error of 0.1 mm in each trial of the coin report, and `tests/physics/truth.rs` compares the
+/// error with that of [`Rk4`](crate::Rk4) in trial 1, with 150 touch-downs in a second.
 ///
 /// *Limits.* ω and δ are the highest frequency and damping rate that the contacts give the body at
 /// their arms (see [integrators](crate#integrators)), and `ζ = δ/2ω`.

@@ -32,8 +32,9 @@ use crate::state::State;
 /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
 /// state.
 ///
-/// *Spin* limits the step too. The rate of nutation is `I₃/I₁` times the spin about the axis of
-/// symmetry (twice the spin for a coin).
+/// *Spin* limits the step too. Let `I₃` be the moment about the axis of symmetry and `I₁` the two
+/// equal moments. The rate of nutation is `I₃/I₁` times the spin about the axis of symmetry (twice
+/// the spin for a coin).
 /// - A lean grows if the nutation rotates by more than `2.83/(1 - I₁/2I₃)` rad per step (3.77 rad
 ///   for a coin). A coin that spins flat on the ground at 50 rad/s tips over with dt = 0.15 s.
 /// - A slender body (`I₃` far below `I₁`) that rotates at ω across its axis, in contact, needs

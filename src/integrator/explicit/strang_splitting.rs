@@ -20,6 +20,10 @@ use crate::state::State;
 ///              with (v*, L*) = (v, L) + dt/2 (F/m + g, T)(v, L)
 /// drift dt/2
 /// ```
+/// Here x is the position and v the velocity of the centre of mass, q the orientation, L the
+/// angular momentum, and m the mass. F and T are force and torque of contacts and applied forces, g
+/// is gravity.
+///
 /// The kick is the explicit midpoint rule in the velocities, because dampers and friction depend on
 /// them.
 ///

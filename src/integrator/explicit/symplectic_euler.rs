@@ -17,6 +17,10 @@ use crate::state::State;
 /// x' = x + dt v'
 /// q' = torque-free rotation of q under L' for dt
 /// ```
+/// Here x is the position and v the velocity of the centre of mass, q the orientation, L the
+/// angular momentum, and m the mass. F and T are force and torque of contacts and applied forces, g
+/// is gravity, and a prime marks the end of the step.
+///
 /// Order 1, with one force evaluation per step. It is the cheapest method, suited to games and
 /// microcontrollers. The rotation in flight is exact to rounding, for any moments of inertia.
 ///

@@ -6,8 +6,8 @@
 //! difference of the pair does not measure the error. An example is a jump in the middle of a step
 //! of Dormand and Prince. The error of the result is up to 0.24 of the change, and their difference
 //! is 0.003. If the friction of a contact reverses in a step, the sum over the stages is therefore
-//! compared with the integral along the path of the slip. The same holds for a contact whose friction
-//! law varies over the ground, because the law may have a jump there.
+//! compared with the integral along the path of the slip. The same holds for a contact whose
+//! friction law varies over the ground, because the law may have a jump there.
 
 use super::touch::AttemptedStep;
 use super::tuning::{self, FRICTION_PARTS};
