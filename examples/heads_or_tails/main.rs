@@ -161,11 +161,11 @@ fn answer(curves: &[Vec<Point>]) -> String {
     let passed =
         |count: &Count| percent(1.0 - count.straight as f64 / count.decided().max(1) as f64);
     marked::wrapped(&format!(
-        "**Does the lean at the start bias heads or tails? {effect}.** A ring of 0.5 m radius leans \
-         by 5° to 60°. Set rolling, it ends with the side up that pointed up at the start in {} of \
-         the tosses; set spinning, with 1 kg m²/s, in {}; an upright one in {} (99.9 % intervals\
-         {MORE}). With 5 kg m²/s it first rises until it is upright ({} % do) and forgets its lean: \
-         {}, with {} % undecided after a minute.",
+        "**Does the lean at the start bias heads or tails? {effect}.** A ring of 0.5 m radius \
+         leans by 5° to 60°. Set rolling, it ends with the side up that pointed up at the start \
+         in {} of the tosses; set spinning, with 1 kg m²/s, in {}; an upright one in {} (99.9 % \
+         intervals{MORE}). With 5 kg m²/s it first rises until it is upright ({} % do) and \
+         forgets its lean: {}, with {} % undecided after a minute.",
         shown(rolling),
         shown(spinning),
         shown(&upright),

@@ -140,8 +140,8 @@ fn order_of(
     convergence(&errors)
 }
 
-/// A greasy film: friction that saturates with the load, and resistance to rolling and spinning that
-/// is not proportional to it either.
+/// A greasy film: friction that saturates with the load, and resistance to rolling and spinning
+/// that is not proportional to it either.
 #[derive(Clone, Copy)]
 struct Film;
 
