@@ -348,6 +348,9 @@ impl<'e, R: Real, const N: usize> Watch<'e, R, N> {
     /// Returns value and derivative of each event at a moment.
     fn read(&self, path: &dyn Path<R>, instant: &Instant<R>) -> Result<[Reading<R>; N], StepError> {
         let mut readings = [Reading::default(); N];
+        if N == 0 {
+            return Ok(readings);
+        }
         let around = around(path, instant, self.nudge);
         for (index, (reading, event)) in readings.iter_mut().zip(&self.events).enumerate() {
             *reading = read(path, (index, *event), instant, &around)?;
