@@ -76,8 +76,8 @@ fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -
     let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);
     let state = &turning::slowed(scene, state, seconds);
     let mut touching = R::ZERO;
-    visit_contacts(scene, &motion_of(scene, state), &mut |contact| {
-        touching += contact.weight;
+    visit_contacts(scene, &motion_of(scene, state), &mut |_| {
+        touching += R::ONE;
     });
     let share = scene.inertia_properties().mass() / touching.at_least(R::ONE);
     resisted(scene, bounding_radius, state, |motion, resist| {
