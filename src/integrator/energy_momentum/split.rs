@@ -75,11 +75,16 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
 fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -> State<R> {
     let bounding_radius = scene.bounding_radius().at_least(R::EPSILON);
     let state = &turning::slowed(scene, state, seconds);
-    let mut touching = R::ZERO;
-    visit_contacts(scene, &motion_of(scene, state), &mut |_| {
-        touching += R::ONE;
-    });
-    let share = scene.inertia_properties().mass() / touching.at_least(R::ONE);
+    let motion = motion_of(scene, state);
+    let touching = if scene.contact_model().has_rims() {
+        // A rim has points that touch and are not pushed. Its load counts the others.
+        scene.load(&motion).touching
+    } else {
+        let mut touching = 0;
+        visit_contacts(scene, &motion, &mut |_| touching += 1);
+        touching
+    };
+    let share = scene.inertia_properties().mass() / R::from_usize(touching.max(1));
     resisted(scene, bounding_radius, state, |motion, resist| {
         visit_contacts(scene, motion, &mut |contact| {
             let (ground, friction) = contact.laws(scene.ground(), scene.friction());
