@@ -194,7 +194,7 @@ fn touch_downs_have_order_two_whether_friction_is_proportional_to_the_load_or_no
         order_of(cube, ground, Film, throw),
     ];
     for order in of_ball.into_iter().chain(of_cube) {
-        assert!((order - 2.0).abs() < 0.2, "{of_ball:?}, {of_cube:?}");
+        assert!((order - 2.0).abs() < 0.15, "{of_ball:?}, {of_cube:?}");
     }
 }
 
