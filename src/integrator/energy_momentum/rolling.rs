@@ -159,27 +159,28 @@ impl<R: Real> Rolling<R> {
         let by_rotation = Matrix3::<R>::by_turn(cayley).scaled(problem.per_second);
         let (shift, turn) = solve(-force, -torque);
         let by_torque = by_rotation.times_matrix(&columns(|(_, turn)| turn));
-        let change = self.change(by_rotation.times(turn), &by_torque);
+        let here = self.resistances.torque(self.angular_velocity);
+        let change = self.change(by_rotation.times(turn), &by_torque, here);
         // The rotation follows from the change of the angular velocity: as the effect of the
         // torques it is a small difference of two large ones.
-        let shift = shift + columns(|(shift, _)| shift).times(self.more_torque(change));
+        let shift = shift + columns(|(shift, _)| shift).times(self.torque_after(change) - here);
         (shift, by_rotation.solve(change))
     }
 
-    /// Change of the torque (N m) by a change of the angular velocity (rad/s).
-    fn more_torque(&self, change: R::Vec3) -> R::Vec3 {
-        let torque = |at| self.resistances.torque(at);
-        torque(self.angular_velocity + change) - torque(self.angular_velocity)
+    /// Torque (N m) after a change of the angular velocity (rad/s).
+    fn torque_after(&self, change: R::Vec3) -> R::Vec3 {
+        self.resistances.torque(self.angular_velocity + change)
     }
 
     /// Solves `δ = δ̂ + G (T(ω + δ) - T(ω))` for the change δ of the angular velocity. `freely`
-    /// (δ̂) is the change without a change of the torque, and `by_torque` the matrix G.
-    fn change(&self, freely: R::Vec3, by_torque: &Matrix3<R>) -> R::Vec3 {
+    /// (δ̂) is the change without a change of the torque, `by_torque` the matrix G, and `torque` is
+    /// `T(ω)`.
+    fn change(&self, freely: R::Vec3, by_torque: &Matrix3<R>, torque: R::Vec3) -> R::Vec3 {
         let here = self.angular_velocity;
-        let residual = |by: R::Vec3| by - freely - by_torque.times(self.more_torque(by));
+        let residual = |by: R::Vec3| by - freely - by_torque.times(self.torque_after(by) - torque);
         let with =
             |matrix: &Matrix3<R>| Matrix3::diagonal(R::ONE).plus(&by_torque.times_matrix(matrix));
-        let free = here + freely - by_torque.times(self.resistances.torque(here));
+        let free = here + freely - by_torque.times(torque);
         let mut by = -here;
         let mut off = residual(by);
         if freely.length() < off.length() {
