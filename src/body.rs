@@ -150,6 +150,8 @@ pub trait RigidPointBody<R: Real = f64> {
     }
 
     /// Distance from the centre of mass to the farthest point of the surface, m.
+    ///
+    /// A scene is not composed with a contact or rim that is farther away.
     fn bounding_radius(&self) -> R {
         let rims = self.rims().iter().map(Rim::bounding_radius);
         let contacts = self.contacts().iter();
@@ -219,7 +221,8 @@ pub trait RigidPointBody<R: Real = f64> {
         let contacts = self.contacts().iter();
         (contacts.map(|contact| direction.dot(contact.position) + contact.radius))
             .chain(rims)
-            .fold(-self.bounding_radius(), R::at_least)
+            .reduce(R::at_least)
+            .unwrap_or_else(|| -self.bounding_radius())
     }
 
     /// Returns true for a smooth convex body, such as an ellipsoid, whose contact point moves over
@@ -229,8 +232,8 @@ pub trait RigidPointBody<R: Real = f64> {
     /// is not smooth in this sense.
     ///
     /// For such a body, [`contacts`](Self::contacts) returns one contact that represents the moving
-    /// one, with a radius above 0. The radius of a ball inside the body is suitable. Such a body
-    /// must also override [`bounding_radius`](Self::bounding_radius).
+    /// one, such as a ball inside the body. Such a body must also override
+    /// [`bounding_radius`](Self::bounding_radius).
     #[inline]
     fn is_smooth(&self) -> bool {
         false
@@ -393,7 +396,50 @@ pub(crate) fn check_whole<R: Real>(
     let bounding_radius = body.bounding_radius();
     error::finite("bounding radius of the body", bounding_radius, " m")?;
     error::at_least_zero("bounding radius of the body", bounding_radius, " m")?;
-    inertia_of(body)
+    let inertia = inertia_of(body)?;
+    check_reach(body)?;
+    check_moving_contact(body)?;
+    Ok(inertia)
+}
+
+/// Checks that no contact or rim is beyond the bounding radius, within `√ε` of it. The ground would
+/// not see it until the bounding sphere touches.
+fn check_reach<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(), SceneError> {
+    let bounding_radius = body.bounding_radius();
+    let allowed = bounding_radius * R::EPSILON.sqrt();
+    let rims = body.rims().iter().map(Rim::farthest);
+    let contacts = body.contacts().iter();
+    let farthest = (contacts.map(|contact| contact.position.length() + contact.radius))
+        .chain(rims)
+        .fold(R::ZERO, R::at_least);
+    let beyond = farthest - bounding_radius;
+    if beyond <= allowed {
+        return Ok(());
+    }
+    let quantity = "distance of a contact beyond the bounding radius of the body";
+    Err(SceneError::new(
+        quantity,
+        Rule::AtMostZero,
+        beyond.to_f64(),
+        " m",
+    ))
+}
+
+/// Checks that a smooth body has the one contact that represents the moving one.
+fn check_moving_contact<R: Real>(
+    body: &(impl RigidPointBody<R> + ?Sized),
+) -> Result<(), SceneError> {
+    let count = body.contacts().len();
+    if !body.is_smooth() || count == 1 {
+        return Ok(());
+    }
+    let quantity = "number of contacts of a smooth body";
+    Err(SceneError::new(
+        quantity,
+        Rule::Exactly(1),
+        count as f64,
+        "",
+    ))
 }
 
 /// Computes the inertia of a body, and checks it against [`RigidPointBody::is_symmetric`].
@@ -456,7 +502,7 @@ pub(crate) const MOST_RIMS: usize = 8;
 
 /// Most contacts of a body with rims. An implicit step stores 128 contacts and reserves 96 of them
 /// for rims.
-const BESIDE_RIMS: usize = 128 - 96;
+pub(crate) const BESIDE_RIMS: usize = 128 - 96;
 
 /// Cyclic contact range: `first`, `first + 1`, ..., continuing at 0 after the last contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

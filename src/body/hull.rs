@@ -1,6 +1,6 @@
 //! Convex hull of points, as a solid.
 
-use super::mass_properties::{Volume, check_vertices};
+use super::mass_properties::{Volume, check_vertices, no_vertex};
 use super::{ContactPoint, MassProperties, Solid};
 use crate::error::SceneError;
 use crate::real::{Real, Vector};
@@ -23,7 +23,7 @@ impl<R: Real> MassProperties<R> {
         R: Real<Vec3 = V>,
     {
         check_vertices::<R>(points)?;
-        let mut volume = Volume::<R>::about(points)?;
+        let mut volume = Volume::<R>::about(points.first().ok_or_else(no_vertex)?);
         let hull = Hull::<R, V>::of(points, |&point| point, R::ZERO);
         for first in 0..points.len() {
             for second in first + 1..points.len() {

@@ -179,9 +179,10 @@ impl<R: Real> MassProperties<R> {
     /// Each triangle is counter-clockwise as seen from outside. Mass in kg, vertices in m.
     ///
     /// The result is exact for any such surface, including cavities. It is summed over the
-    /// tetrahedra between the first vertex and each triangle with the corners a, b, c. A
-    /// tetrahedron has the volume `v` and the first moment `v (a + b + c)/4`. Its second moments
-    /// are `v (a aᵀ + b bᵀ + c cᵀ + s sᵀ)/20` with `s = a + b + c`.
+    /// tetrahedra between the first corner of the first triangle and each triangle with the corners
+    /// a, b, c. A tetrahedron has the volume `v` and the first moment `v (a + b + c)/4`. Its second
+    /// moments are `v (a aᵀ + b bᵀ + c cᵀ + s sᵀ)/20` with `s = a + b + c`. Vertices that no
+    /// triangle names have no effect.
     ///
     /// # Errors
     /// Returns [`SceneError`] in these cases:
@@ -189,8 +190,9 @@ impl<R: Real> MassProperties<R> {
     /// - There is no vertex.
     /// - The mass or a coordinate is not finite.
     /// - A triangle names a vertex that does not exist.
-    /// - The surface is not closed: its triangles' area vectors do not add up to 0 within `√ε` of
-    ///   their sizes.
+    /// - The surface is not closed, within `√ε` of the sizes of the sums: its triangles' area
+    ///   vectors `A` do not add up to 0, or `∑ centroid Aᵀ` is not the volume times the unit
+    ///   matrix. Holes that cancel in all these sums are not found.
     /// - The volume is not above 0, for example because all triangles are inside out.
     pub fn mesh<V: Vector<R>>(
         mass: R,
@@ -201,7 +203,11 @@ impl<R: Real> MassProperties<R> {
         R: Real<Vec3 = V>,
     {
         check_vertices::<R>(vertices)?;
-        let mut volume = Volume::about(vertices)?;
+        let first = triangles
+            .first()
+            .and_then(|corners| vertices.get(corners[0]));
+        let tip = first.or(vertices.first());
+        let mut volume = Volume::about(tip.ok_or_else(no_vertex)?);
         for &corners in triangles {
             let [Some(a), Some(b), Some(c)] = corners.map(|corner| vertices.get(corner)) else {
                 let last = vertices.len().saturating_sub(1);
@@ -243,22 +249,29 @@ pub(super) struct Volume<R: Real> {
     /// the sum of their sizes.
     area: R::Vec3,
     area_size: R,
+    /// `∑ centroid Aᵀ` over the area vectors A from the tip, m³: for a closed surface the volume
+    /// times the unit matrix. The next field is the sum of the sizes.
+    extents: [R::Vec3; 3],
+    extent_size: R,
+}
+
+/// Error of a body without a vertex.
+pub(super) fn no_vertex() -> SceneError {
+    SceneError::new("number of vertices", Rule::AtLeast(4), 0.0, "")
 }
 
 impl<R: Real> Volume<R> {
-    pub(super) fn about(vertices: &[R::Vec3]) -> Result<Self, SceneError> {
-        let Some(&tip) = vertices.first() else {
-            let rule = Rule::AtLeast(4);
-            return Err(SceneError::new("number of vertices", rule, 0.0, ""));
-        };
-        Ok(Self {
-            tip,
+    pub(super) fn about(tip: &R::Vec3) -> Self {
+        Self {
+            tip: *tip,
             volume: R::ZERO,
             first: R::Vec3::ZERO,
             second: [R::Vec3::ZERO; 3],
             area: R::Vec3::ZERO,
             area_size: R::ZERO,
-        })
+            extents: [R::Vec3::ZERO; 3],
+            extent_size: R::ZERO,
+        }
     }
 
     pub(super) fn add(&mut self, corners: [R::Vec3; 3]) {
@@ -277,18 +290,44 @@ impl<R: Real> Volume<R> {
         let area = (b - a).cross(c - a) * R::HALF;
         self.area += area;
         self.area_size += area.length();
+        let centroid = sum * R::from_f64(1.0 / 3.0);
+        self.extents[0] += centroid * area.x();
+        self.extents[1] += centroid * area.y();
+        self.extents[2] += centroid * area.z();
+        self.extent_size += centroid.length() * area.length();
+    }
+
+    /// Checks that no part of the surface is missing, as far as its sums show it.
+    fn check_closed(&self) -> Result<(), SceneError> {
+        let open = |gap: R, unit| {
+            Err(SceneError::new(
+                "the surface",
+                Rule::Closed,
+                gap.to_f64(),
+                unit,
+            ))
+        };
+        let least = R::EPSILON.sqrt();
+        let gap = self.area.length();
+        let is_closed = gap <= self.area_size * least;
+        if !is_closed {
+            return open(gap, " m² between its edges");
+        }
+        let v = self.volume;
+        let unit = R::Mat3::from_diagonal(R::Vec3::new(v, v, v)).columns();
+        let gaps = [0, 1, 2].map(|i| (self.extents[i] - unit[i]).length());
+        let gap = gaps.into_iter().fold(R::ZERO, R::at_least);
+        let is_closed = gap <= self.extent_size * least;
+        if !is_closed {
+            return open(gap, " m³ between its volumes along x, y and z");
+        }
+        Ok(())
     }
 
     /// Mass properties of this volume with a mass, kg.
     pub(super) fn filled_with(&self, mass: R) -> Result<MassProperties<R>, SceneError> {
         finite_mass(mass)?;
-        let open = self.area.length();
-        let is_closed = open <= self.area_size * R::EPSILON.sqrt();
-        if !is_closed {
-            let (rule, area) = (Rule::Closed, open.to_f64());
-            let unit = " m² between its edges";
-            return Err(SceneError::new("the surface", rule, area, unit));
-        }
+        self.check_closed()?;
         error::above_zero("volume within the surface", self.volume, " m³")?;
         let density = mass / self.volume;
         let centre = self.first * (R::ONE / self.volume);

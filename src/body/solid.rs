@@ -44,8 +44,9 @@ impl<R: Real, P: AsRef<[ContactPoint<R>]> + AsMut<[ContactPoint<R>]>> Solid<R, P
     /// The contacts are shifted so that the centre of mass becomes their origin.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the mass, the centre of mass or the inertia is invalid, if there
-    /// is no contact, or if a contact is not finite or has a radius below 0.
+    /// Returns [`SceneError`] if the mass, the centre of mass or the inertia is not finite, if
+    /// there is no contact, or if a contact is not finite or has a radius below 0. A scene checks
+    /// that mass and inertia are those of a solid.
     pub fn new(distribution: MassProperties<R>, mut contacts: P) -> Result<Self, SceneError> {
         distribution.check()?;
         check_contacts(contacts.as_ref())?;

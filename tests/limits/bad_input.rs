@@ -508,6 +508,70 @@ fn points_of_mass_are_checked_like_a_cloud() {
     });
 }
 
+/// A ball of 0.5 m that says that it is smaller, or a smooth one with another number of contacts.
+#[derive(Debug)]
+struct Misstated {
+    contacts: Vec<ContactPoint>,
+    bounding_radius: f64,
+    is_smooth: bool,
+}
+
+impl RigidPointBody for Misstated {
+    fn mass(&self) -> f64 {
+        1.0
+    }
+    fn inertia(&self) -> DMat3 {
+        DMat3::from_diagonal(DVec3::splat(0.1))
+    }
+    fn contacts(&self) -> &[ContactPoint] {
+        &self.contacts
+    }
+    fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
+    }
+    fn is_smooth(&self) -> bool {
+        self.is_smooth
+    }
+}
+
+/// The ground did not see the ball until it was 0.45 m deep, a smooth body without a contact fell
+/// through it, and one with two contacts had twice the force.
+#[test]
+fn a_body_whose_contacts_do_not_fit_it_is_refused() {
+    let ball = ContactPoint {
+        position: DVec3::ZERO,
+        radius: 0.5,
+    };
+    let error = |contacts: &[ContactPoint], bounding_radius, is_smooth| {
+        let body = Misstated {
+            contacts: contacts.to_vec(),
+            bounding_radius,
+            is_smooth,
+        };
+        Stepper::new(body).err().map(|error| error.to_string())
+    };
+    for is_smooth in [false, true] {
+        assert_eq!(error(&[ball], 0.5, is_smooth), None);
+        assert_eq!(error(&[ball], 0.5 - 1e-12, is_smooth), None);
+    }
+    assert_eq!(
+        error(&[ball], 0.25, false).as_deref(),
+        Some(
+            "distance of a contact beyond the bounding radius of the body must be at most 0, got 0.25 m"
+        )
+    );
+    assert_eq!(error(&[ball, ball], 0.5, false), None);
+    for contacts in [&[][..], &[ball, ball]] {
+        assert_eq!(
+            error(contacts, 0.5, true),
+            Some(format!(
+                "number of contacts of a smooth body must be 1, got {}",
+                contacts.len()
+            ))
+        );
+    }
+}
+
 #[test]
 fn a_surface_must_be_closed_and_turned_outwards() {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
@@ -518,6 +582,35 @@ fn a_surface_must_be_closed_and_turned_outwards() {
         mesh(&outwards[1..]).unwrap_err().to_string(),
         "the surface must be closed, got 0.5 m² between its edges"
     );
+    // The two missing ends of a tube face each other.
+    let box_of = |x: f64, y: f64, z: f64| {
+        let sign = |bit: usize, number: usize| if number & bit == 0 { -0.5 } else { 0.5 };
+        core::array::from_fn::<DVec3, 8, _>(|number| {
+            DVec3::new(
+                sign(1, number) * x,
+                sign(2, number) * y,
+                sign(4, number) * z,
+            )
+        })
+    };
+    let sides = [
+        [0, 4, 6],
+        [0, 6, 2],
+        [1, 3, 7],
+        [1, 7, 5],
+        [0, 1, 5],
+        [0, 5, 4],
+        [2, 6, 7],
+        [2, 7, 3],
+    ];
+    let ends = [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6]];
+    let long = box_of(0.1, 0.1, 0.3);
+    let all: Vec<[usize; 3]> = sides.into_iter().chain(ends).collect();
+    assert!(MassProperties::mesh(1.0, &long, &all).is_ok());
+    for tube in [&sides[..], &[&sides[..4], &ends].concat()] {
+        let error = MassProperties::mesh(1.0, &long, tube).unwrap_err();
+        assert_eq!(error.rule, Rule::Closed, "{error}");
+    }
     let inwards = outwards.map(|[a, b, c]| [a, c, b]);
     assert_eq!(
         mesh(&inwards).unwrap_err().to_string(),
