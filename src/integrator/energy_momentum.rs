@@ -60,6 +60,7 @@ use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
 use crate::force::Force;
+use crate::integrator::flight::ballistic;
 use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::{energy_limit, flight_rounding};
 use crate::real::Real;
@@ -330,7 +331,7 @@ fn step<R: Real, D: Dynamics<R>>(
     (contacts, memory): (&mut Contacts<R>, &mut Memory<R>),
 ) -> Result<Step<R>, StepError> {
     if dt <= R::ZERO {
-        return Ok(Step::new(dt, 0));
+        return Ok(Step::new(R::ZERO, 0));
     }
     if let Some(drive_work) = memory.work_at_rest(state, dt) {
         return Ok(Step {
@@ -615,12 +616,7 @@ fn fly<R: Real, D: Dynamics<R>>(problem: &Problem<'_, R, D>) -> State<R> {
     let mean_velocity = start.linear_velocity + gravity * (seconds * R::HALF);
     let (axes, momentum) = (&problem.motion.axes, start.angular_momentum);
     let rotation = turned_freely(problem.scene, problem.rotation, axes, momentum, seconds);
-    let plain = State {
-        position: start.position + mean_velocity * seconds,
-        linear_velocity: start.linear_velocity + gravity * seconds,
-        orientation: rotation.to_quat(),
-        angular_momentum: momentum,
-    };
+    let plain = ballistic(problem.scene, start, rotation, seconds);
     if !flight_rounding::holds_both_ways::<R>() {
         return plain;
     }

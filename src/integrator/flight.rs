@@ -161,7 +161,7 @@ fn fly_without_rise<R: Real, D: Dynamics<R>>(
     rotation: Rotation<R>,
     seconds: R,
 ) -> Option<(State<R>, Step<R>)> {
-    let end = fly(scene, state, rotation, seconds);
+    let end = ballistic(scene, state, rotation, seconds);
     let mut step = Step::new(seconds, 0);
     let (before, after) = (Energy::of(scene, state), Energy::of(scene, &end));
     let excess = after.total() - before.total();
@@ -175,7 +175,7 @@ fn fly_without_rise<R: Real, D: Dynamics<R>>(
 
 /// Returns the state after `seconds` without contact, with the given `rotation`.
 #[inline]
-fn fly<R: Real, D: Dynamics<R>>(
+pub(super) fn ballistic<R: Real, D: Dynamics<R>>(
     scene: &D,
     state: &State<R>,
     rotation: Rotation<R>,

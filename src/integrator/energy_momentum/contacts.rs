@@ -204,10 +204,12 @@ impl<R: Real> Contacts<R> {
         self.fixed = remembered;
     }
 
-    /// Where there are too many contacts, stores the middle one of each few candidates.
+    /// Where there are too many contacts, or too many to leave room for the points of rims, stores
+    /// the middle one of each few candidates.
     #[inline]
     pub(super) fn thin_out<D: Dynamics<R>>(&mut self, problem: &Problem<'_, R, D>) {
-        if self.has_others() {
+        let leaves_no_room = self.has_rims_near(problem) && self.remembered > self.capacity() / 2;
+        if self.has_others() || leaves_no_room {
             self.store_evenly_spaced(problem);
         }
     }
@@ -484,7 +486,8 @@ impl<R: Real> Contacts<R> {
     ) -> Matrix3<R> {
         let (_, axes) = problem.place_at_end(trial);
         let mut sum = Matrix3::diagonal(R::ZERO);
-        for touch in self.touches.iter().take(self.remembered) {
+        let stored = self.stored().iter();
+        for touch in stored.filter(|touch| touch.push.is_active()) {
             let force = touch.push.force * factor;
             let [first, second] = moving.over_surface(touch.push.normal, &axes);
             let torque =
@@ -553,7 +556,7 @@ impl<R: Real> Contacts<R> {
     ) {
         self.recall(problem, |touch, jacobian| visit(touch, jacobian));
         if self.has_others() {
-            self.visit_others(problem, trial, &mut |touch, _| {
+            self.visit_others(problem, trial, &mut |touch, _, _| {
                 visit(touch, &touch.jacobian(problem));
             });
         }
@@ -569,7 +572,7 @@ impl<R: Real> Contacts<R> {
         let stored = self.stored().iter().filter(|touch| touch.push.is_active());
         stored.for_each(&mut *visit);
         if self.has_others() {
-            self.visit_others(problem, trial, &mut |touch, _| visit(touch));
+            self.visit_others(problem, trial, &mut |touch, _, _| visit(touch));
         }
     }
 
@@ -583,14 +586,15 @@ impl<R: Real> Contacts<R> {
     }
 
     /// Computes the force of each contact that is not stored over a trial step. Calls `visit` with
-    /// those that reach the ground, and with the stored contact that each of them follows.
+    /// those that reach the ground, with the torque correction of each, and with the stored contact
+    /// that it follows.
     #[cold]
     #[inline(never)]
     pub(super) fn visit_others<D: Dynamics<R>>(
         &self,
         problem: &Problem<'_, R, D>,
         trial: &TrialStep<R>,
-        visit: &mut dyn FnMut(&mut Touch<R>, &Touch<R>),
+        visit: &mut dyn FnMut(&mut Touch<R>, &Lever<R>, &Touch<R>),
     ) {
         let [head, tail] = self.range.parts(problem.scene.body().contacts());
         let surfaces = 0..problem.surfaces();
@@ -609,9 +613,9 @@ impl<R: Real> Contacts<R> {
                     continue;
                 }
                 touch.begin(problem, surface, point);
-                touch.respond_anywhere(problem, trial);
+                let lever = touch.respond_anywhere(problem, trial);
                 if touch.push.is_active() {
-                    visit(&mut touch, first);
+                    visit(&mut touch, &lever, first);
                 }
             }
         }
@@ -676,7 +680,8 @@ mod tests {
         let push = &mut touch.push;
         (push.mean.force, push.mean.slope, push.mean.stiffness) = (30.0, 1e3, 1e3);
         (push.force, push.slip) = (Vec3::new(3.0, -9.0, 30.0), Vec3::new(-0.7, 0.4, 0.0));
-        (push.arm, push.end_arm, push.normal) = (Vec3::X, Vec3::Z, Vec3::Y);
+        (push.arm, push.end_arm) = (Vec3::X, Vec3::new(0.7, -0.9, 1.1));
+        push.normal = Vec3::Y;
         (push.depth, push.end_depth, push.weight) = (0.2, 0.1, 3.0);
         touch.dual = Dual::After(Vec3::new(0.6, -0.8, 0.0));
         let mut noted = Noted::NONE;

@@ -360,7 +360,7 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
         if self.kind != Kind::ByDifferences {
             return (contact.normal, centre);
         }
-        let place = self.start.position + centre;
+        let place = contact.position + contact.normal * contact.point.radius;
         let nudge = R::EPSILON.sqrt() * (self.bounding_radius + place.length() * R::EPSILON.sqrt());
         let (ground, _) = contact.laws(self.scene.ground(), self.scene.friction());
         let gap = |x: R, y: R, z: R| ground.surface(place + R::Vec3::new(x, y, z)).gap;

@@ -197,7 +197,8 @@ impl<R: Real, D: Dynamics<R>> Correction<'_, R, D> {
         let leverage = leverage(properties, &self.motion.axes, &Along::at(place, normal));
         let share = self.share(damping, self.strain.damping, leverage);
         let across = self.per_speed(damping, share);
-        // The ground may take back as much impulse as it has given, but never pull.
+        // Of the impulse that the ground has given, at most the part that brings the contact to
+        // rest at the end: less than half.
         let limit = self.per_speed(push.mean.force, share);
         let rising = self.rising(push);
         let beyond = after.map_or(R::ZERO, |after| {

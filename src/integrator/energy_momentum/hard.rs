@@ -44,7 +44,7 @@
 //! a cube on 1e7 to 1e11 N/m. `tests/physics/long_steps.rs` has other bodies and grounds.
 
 use super::contacts::Contacts;
-use super::problem::Problem;
+use super::problem::{Problem, TrialStep};
 use super::touch::{Increment, Touch};
 use crate::ground::{MeanForce, SpringDamperGround};
 use crate::real::{Real, Vector};
@@ -208,10 +208,16 @@ pub(super) fn predict<R: Real>(contacts: &mut Contacts<R>, by: &Increment<R>) {
 /// linear force. The force is not smooth there, so that the step does not square the residual.
 #[cold]
 #[inline(never)]
-pub(super) fn touch_or_part<R: Real>(contacts: &Contacts<R>, by: &Increment<R>) -> bool {
+pub(super) fn touch_or_part<R: Real, D: Dynamics<R>>(
+    problem: &Problem<'_, R, D>,
+    contacts: &Contacts<R>,
+    trial: &TrialStep<R>,
+    by: &Increment<R>,
+) -> bool {
     contacts.stored().iter().any(|touch| {
         let push = &touch.push;
-        let deeper = -push.normal.dot(by.shift + by.turn.cross(push.end_arm));
+        let end_arm = touch.end_arm(problem, trial);
+        let deeper = -push.normal.dot(by.shift + by.turn.cross(end_arm));
         let depth = push.end_depth + deeper;
         let load = push.mean.force + push.mean.slope * deeper;
         (push.end_depth > R::ZERO) != (depth > R::ZERO)

@@ -235,10 +235,12 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         } else {
             contacts.respond(problem, trial, |push| sum.add(push));
         }
-        if contacts.has_others() {
-            self.visit_others(contacts, (trial, is_second), &mut |push| sum.add(push));
-        }
         sum.torque += contacts.lever.torque * sum.normal;
+        if contacts.has_others() {
+            let of_levers =
+                self.visit_others(contacts, (trial, is_second), &mut |push| sum.add(push));
+            sum.torque += of_levers;
+        }
         self.rolling = Rolling::at(problem, contacts, trial);
         if let Some(rolling) = self.rolling() {
             sum.torque += rolling.torque;
@@ -250,7 +252,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         balance
     }
 
-    /// Calls `visit` with the forces of the contacts that are not stored.
+    /// Calls `visit` with the forces of the contacts that are not stored. Returns the torque
+    /// corrections of those that move over a smooth body, N m.
     ///
     /// Their derivatives are computed at the same visit, unless those of the first trial are likely
     /// to be enough for the second: a step that resolves friction and dampers is almost linear.
@@ -261,12 +264,20 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         contacts: &Contacts<R>,
         (trial, is_second): (&TrialStep<R>, bool),
         visit: &mut dyn FnMut(&Push<R>),
-    ) {
+    ) -> R::Vec3 {
         if DEFERS && is_second && self.strain.of_step(self.problem).is_resolved() {
             self.others = None;
-            contacts.visit_others(self.problem, trial, &mut |touch, _| visit(&touch.push));
+            let mut of_levers = R::Vec3::ZERO;
+            contacts.visit_others(self.problem, trial, &mut |touch, lever, _| {
+                of_levers += lever.torque * touch.push.mean.force;
+                visit(&touch.push);
+            });
+            of_levers
         } else {
-            self.others = Some(Others::of(self.problem, contacts, trial, visit));
+            let others = Others::of(self.problem, contacts, trial, visit);
+            let of_levers = others.of_levers;
+            self.others = Some(others);
+            of_levers
         }
     }
 
@@ -378,7 +389,7 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
         let is_last = !begins_in_stick
             && loads_agree
             && self.is_accurate(derivatives, here, contacts, [shift, turn])
-            && !(self.is_hard && hard::touch_or_part(contacts, &by))
+            && !(self.is_hard && hard::touch_or_part(problem, contacts, trial, &by))
             && !(is_single::<R>() && is_resolved && self.may_end_a_slide(contacts, &by));
         change(problem, trial, &here.iterate, shift, turn);
         // The points of rims are placed anew for each trial. This reads the rims of the body,
@@ -612,7 +623,8 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
     /// each contact stays as it is. The strain `h Σ|F|/|u|/m` is then that at the end. In `f64` the
     /// last of Newton's steps is too short for that.
     ///
-    /// `(Σ|F|/|u|)²` is at most `n Σ F²/u²` for n contacts, which needs no roots.
+    /// `(Σ|F|/|u|)²` is at most `n Σ F²/u²` for n contacts, which needs no roots. The contacts that
+    /// are not stored are as the stored ones, which are spread evenly among them.
     #[inline(always)]
     fn may_end_a_slide(&self, contacts: &Contacts<R>, by: &Increment<R>) -> bool {
         let problem = self.problem;
@@ -625,7 +637,9 @@ impl<'a, 'b, R: Real, D: Dynamics<R>> Newton<'a, 'b, R, D> {
                 squares += friction / slip.length_squared();
             }
         }
-        let per_speed = problem.seconds / problem.mass;
+        let stored = R::from_usize(contacts.stored().len().max(1));
+        let each = R::from_usize(contacts.len()) / stored;
+        let per_speed = problem.seconds / problem.mass * each;
         count * squares * (per_speed * per_speed) > R::TWO * R::TWO
     }
 

@@ -4,6 +4,7 @@ use super::dual::Dual;
 use super::problem::{Problem, TrialStep};
 use super::reversal::Reversal;
 use super::touch::Touch;
+use crate::body::{BESIDE_RIMS, MOST_RIMS};
 use crate::body::{Panel, RigidPointBody, Rim};
 use crate::contact::RimStep;
 use crate::real::Real;
@@ -16,6 +17,9 @@ const MOST_PANELS: usize = 24;
 /// [`MOST_PANELS`] of four.
 pub(super) const FOR_RIMS: u32 = 96;
 const _: () = assert!(FOR_RIMS as usize == 4 * MOST_PANELS);
+// A body promises no more rims and contacts than the default storage has room for.
+const _: () = assert!(FOR_RIMS as usize == 12 * MOST_RIMS);
+const _: () = assert!(FOR_RIMS as usize + BESIDE_RIMS == 128);
 
 /// Largest fraction of the length below ground at which a panel needs no more than four points.
 /// Most such panels are below the ground at the start or at the end of the step only.

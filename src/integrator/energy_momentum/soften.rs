@@ -82,6 +82,11 @@ fn softness<R: Real, D: Dynamics<R>>(
     let mut stiffness = R::ZERO;
     gather_all(problem, contacts);
     contacts.respond(problem, trial, |push| stiffness += push.mean.stiffness);
+    if contacts.has_others() {
+        contacts.visit_others(problem, trial, &mut |touch, _, _| {
+            stiffness += touch.push.mean.stiffness;
+        });
+    }
     let hardness = stiffness * problem.seconds * problem.seconds / problem.mass;
     R::ONE / hardness.at_least(R::ONE)
 }

@@ -37,7 +37,13 @@ pub(super) fn step<R: Real, D: Dynamics<R>>(
     let half = seconds * R::HALF;
     let slowed = dissipate(scene, start, half);
     let energy = Energy::of(scene, &slowed);
-    let work = work::of_impulse(scene, start.position, [start, &slowed]);
+    let properties = scene.inertia_properties();
+    // What is lost about an axis without inertia is not given by the ground.
+    let turning = State {
+        angular_momentum: properties.without_dead_spin(start.rotation(), start.angular_momentum),
+        ..*start
+    };
+    let work = work::of_impulse(scene, start.position, [&turning, &slowed]);
     // Resistances that hide the inertia may leave velocities of any size.
     if energy_limit::is_no_solution([before, &energy], work) {
         return None;

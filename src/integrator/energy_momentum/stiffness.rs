@@ -22,6 +22,8 @@ use crate::scene::Dynamics;
 pub(super) struct Others<R: Real> {
     /// Strain of the step on their friction and dampers.
     pub(super) strain: Strain<R>,
+    /// Torque corrections of those that move over a smooth body, N m.
+    pub(super) of_levers: R::Vec3,
     /// Force (N) and torque (N m) by which the linear friction of the matrix exceeds that of the
     /// laws, and by which that of the dual forces does.
     pub(super) excess: [[R::Vec3; 2]; 2],
@@ -32,6 +34,7 @@ pub(super) struct Others<R: Real> {
 impl<R: Real> Others<R> {
     const NONE: Self = Self {
         strain: Strain::NONE,
+        of_levers: R::Vec3::ZERO,
         excess: [[R::Vec3::ZERO; 2]; 2],
         equations: SixBySix::ZERO,
     };
@@ -51,8 +54,9 @@ impl<R: Real> Others<R> {
         let argument = Matrix3::by_turn(trial.cayley);
         let since = contacts.since_last(problem, trial);
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
-        contacts.visit_others(problem, trial, &mut |touch, first| {
+        contacts.visit_others(problem, trial, &mut |touch, lever, first| {
             visit(&touch.push);
+            others.of_levers += lever.torque * touch.push.mean.force;
             let jacobian = touch.jacobian(problem);
             let slide = touch.answer_of_slide(problem, &jacobian, contacts.len());
             let answer = slide.unwrap_or_else(|| {

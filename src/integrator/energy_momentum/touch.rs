@@ -418,6 +418,22 @@ impl<R: Real> Touch<R> {
         self.push.is_active() || self.load > R::ZERO
     }
 
+    /// Vector from the centre of mass to the contact's centre at the end of a trial step, m. One
+    /// without a force has it from the rotation of the body: the trial has stored none.
+    pub(super) fn end_arm<D: Dynamics<R>>(
+        &self,
+        problem: &Problem<'_, R, D>,
+        trial: &TrialStep<R>,
+    ) -> R::Vec3 {
+        if self.may_be_active() {
+            return self.push.end_arm;
+        }
+        match problem.moving_contact() {
+            Some(moving) => end_arm(problem, &moving, self.push.surface, trial),
+            None => self.arm + trial.rotation_change.times(self.arm),
+        }
+    }
+
     /// Computes motion and force of a bare contact on level ground over a trial step. Returns true
     /// if there is a force.
     #[inline(always)]
@@ -445,17 +461,18 @@ impl<R: Real> Touch<R> {
     }
 
     /// Computes motion and force of a contact over a trial step, by the shorter computation where
-    /// that is possible.
+    /// that is possible. Returns the torque correction of a smooth body.
     #[inline]
     pub(super) fn respond_anywhere<D: Dynamics<R>>(
         &mut self,
         problem: &Problem<'_, R, D>,
         trial: &TrialStep<R>,
-    ) {
+    ) -> Lever<R> {
         if problem.is_bare() {
             self.respond_on_level(problem, trial);
+            Lever::NONE
         } else {
-            self.respond(problem, trial);
+            self.respond(problem, trial)
         }
     }
 

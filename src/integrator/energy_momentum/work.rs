@@ -32,6 +32,8 @@ pub(super) fn of_whole<R: Real, D: Dynamics<R>>(
     let middle = problem.motion.position + problem.motion.linear_velocity * half;
     let fallen = State {
         linear_velocity: problem.start.linear_velocity + problem.scene.gravity() * problem.seconds,
+        // An angular momentum about an axis without inertia is lost, and not to the ground.
+        angular_momentum: problem.angular_momentum,
         ..problem.start
     };
     of_impulse(problem.scene, middle, [&fallen, end])
