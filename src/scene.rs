@@ -160,6 +160,13 @@ pub(crate) fn size<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
         .at_least(scene.inertia_properties().radius_of_gyration())
 }
 
+/// Returns the largest velocity of the farthest point of the body per impulse at any contact, 1/kg.
+#[inline]
+pub(crate) fn mobility<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> R {
+    let (properties, arm) = (scene.inertia_properties(), size(scene));
+    properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm)
+}
+
 /// Returns the orientation after `seconds` without torque, from `rotation` with these `axes`, as
 /// [`InertiaProperties::turn_freely`]. Without the code for three different moments, if the type of
 /// the body excludes them.

@@ -235,8 +235,8 @@ where
     /// Creates a session that continues a saved one.
     ///
     /// The states have the same bits if scene and integrator are the same. An adaptive method
-    /// evaluates the state once more, which increases the count of evaluations by at most one, or
-    /// by a few with [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) at rest.
+    /// evaluates the state once more, which increases the count of evaluations by at most one. At
+    /// rest any method may evaluate it a few times more.
     ///
     /// In another scene the run continues from the saved state, and everything is evaluated anew.
     /// All that holds for a new session with this state holds. In particular, the energy in the
@@ -470,7 +470,7 @@ where
     /// The clock continues. The next step is that of a new session with the changed state.
     pub fn state_mut(&mut self) -> &mut State<R> {
         self.rest = Rest::UNKNOWN;
-        if self.chooses_steps() {
+        if self.stepper.chooses_steps() {
             (self.stepper.integrator()).clear(self.workspace.borrow_mut());
         }
         &mut self.state
@@ -568,17 +568,10 @@ where
         }
     }
 
-    /// Returns true if the method has its own size for the next step. A method with a fixed step
-    /// has none.
-    #[inline]
-    fn chooses_steps(&self) -> bool {
-        I::ADAPTIVE && self.stepper.integrator().fixed_step().is_none()
-    }
-
     /// Begins a new budget of steps, so that each call has the budget of a run.
     #[inline]
     fn renew_budget(&mut self) {
-        if self.chooses_steps() {
+        if self.stepper.chooses_steps() {
             let integrator = self.stepper.integrator();
             let workspace = self.workspace.borrow_mut();
             if let Some(control) = integrator.step_control(workspace, &self.state) {
@@ -598,7 +591,7 @@ where
         let outcome = (self.stepper).advance_with((state, rests), seconds, workspace, &mut clock);
         self.clock.add(&clock);
         outcome?;
-        if !self.chooses_steps() && has_bits_of(&self.state, &start) {
+        if !self.stepper.chooses_steps() && has_bits_of(&self.state, &start) {
             // A repetition of this advance costs no evaluation.
             (clock.evaluations, clock.rejected) = (0, 0);
             self.rest.advance = Some((seconds, clock));
@@ -697,7 +690,6 @@ mod tests {
         assert_eq!(session.step_count() - before, fresh.step_count());
     }
 
-    /// The step size that an adaptive method has chosen is part of a session.
     #[test]
     fn a_step_of_no_time_refuses_the_states_that_a_step_refuses() {
         let stepper = Stepper::new(Coin::ring(1.0, 0.5)).unwrap();

@@ -577,12 +577,13 @@ where
         let end = self.end_at(seconds);
         end.check_first_step::<I>(clock)?;
         let mut flow = self.show(observer, state, clock);
+        let mut scratch = None;
         while flow.is_continue() && !end.is_reached(clock) {
             // States between the steps are computed from the start of the step.
             let before = observer.requested_time().map(|_| Before {
                 clock: *clock,
                 state: *state,
-                workspace: I::ADAPTIVE.then(|| workspace.clone()),
+                workspace: self.chooses_steps().then(|| workspace.clone()),
             });
             let start = *state;
             let step = self.move_on(state, end.limit(clock), workspace);
@@ -590,7 +591,8 @@ where
             clock.tick_from(&start, state, &step)?;
             end.check_next_steps::<I>(&step, clock)?;
             if let Some(before) = before {
-                flow = self.show_between(observer, &end, &before, state, clock)?;
+                let path = (&before, &mut scratch);
+                flow = self.show_between(observer, &end, path, state, clock)?;
             }
             // The state is that after the step, whatever the observer has said of a time within it.
             let shown = self.show(observer, state, clock);
@@ -604,7 +606,7 @@ where
         &self,
         observer: &mut (impl Observer<R> + ?Sized),
         end_of_run: &End<R>,
-        before: &Before<R, I::Workspace>,
+        (before, scratch): (&Before<R, I::Workspace>, &mut Option<I::Workspace>),
         end: &State<R>,
         clock: &Clock<R>,
     ) -> Result<ControlFlow<()>, StepError> {
@@ -621,7 +623,7 @@ where
             let state = if asked.is_here(clock) {
                 *end
             } else {
-                self.state_at(&asked, before)?
+                self.state_at(&asked, before, scratch)?
             };
             let sample = Sample {
                 time,
@@ -634,19 +636,31 @@ where
         Ok(ControlFlow::Continue(()))
     }
 
-    /// State at a time after the start of a step, computed by separate steps.
+    /// State at a time after the start of a step, computed by separate steps. A method that does
+    /// not choose its steps takes them in `scratch`: no result depends on what it holds.
     fn state_at(
         &self,
         asked: &End<R>,
         before: &Before<R, I::Workspace>,
+        scratch: &mut Option<I::Workspace>,
     ) -> Result<State<R>, StepError> {
         let (mut state, mut clock) = (before.state, before.clock);
-        let mut workspace = before.workspace.clone().unwrap_or_default();
+        let workspace = match &before.workspace {
+            Some(workspace) => scratch.insert(workspace.clone()),
+            None => scratch.get_or_insert_default(),
+        };
         while !asked.is_reached(&clock) {
-            let step = self.move_on(&mut state, asked.limit(&clock), &mut workspace);
+            let step = self.move_on(&mut state, asked.limit(&clock), workspace);
             clock.tick(&step.map_err(|error| error.at(clock.time.to_f64()))?)?;
         }
         Ok(state)
+    }
+
+    /// Returns true if the method has its own size for the next step. A method with a fixed step
+    /// has none.
+    #[inline]
+    pub(crate) fn chooses_steps(&self) -> bool {
+        I::ADAPTIVE && self.integrator.fixed_step().is_none()
     }
 
     #[inline]
@@ -681,6 +695,6 @@ where
 struct Before<R: Real, W> {
     clock: Clock<R>,
     state: State<R>,
-    /// Workspace of an adaptive method, which stores the choice of the step size.
+    /// Workspace of a method that chooses its steps, which stores that choice.
     workspace: Option<W>,
 }

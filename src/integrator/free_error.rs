@@ -38,7 +38,6 @@
 //! moment about the axis of symmetry is the smallest. The steps of others have the same bits
 //! [in lanes](crate::Stepper::advance_many).
 
-use crate::body::RigidPointBody;
 use crate::contact::Motion;
 use crate::force::Force;
 use crate::integrator::point::Point;
@@ -171,10 +170,6 @@ pub(in crate::integrator) fn is_out_of_reach<R: Real, D: Dynamics<R>>(
     if model.surfaces() == 0 {
         return true;
     }
-    // The range below is that of contacts alone.
-    if !scene.body().rims().is_empty() {
-        return false;
-    }
     let [start, _] = ends;
     let most = scene.inertia_properties().largest_inverse_moment();
     let energy = start.angular_velocity.dot(angular_momentum);
@@ -184,8 +179,9 @@ pub(in crate::integrator) fn is_out_of_reach<R: Real, D: Dynamics<R>>(
         (acceleration + bend * scene.bounding_radius()) * (seconds * seconds * R::from_f64(0.125));
     (0..model.surfaces()).all(|surface| {
         ends.iter().all(|end| {
+            // The range is that of contacts alone.
             let near = model.range_of_surface(surface, margin, end.position, &end.axes);
-            near.count == 0
+            near.count == 0 && !model.has_rim_near(surface, margin, (end.position, &end.axes))
         })
     })
 }

@@ -187,14 +187,13 @@ impl<R: Real> StepControl<R> {
     /// Checks that both numbers are valid.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the length is not above 0, the error is negative, or either is not
-    /// finite.
+    /// Returns [`SceneError`] if the length or the error is not above 0, or not finite.
     pub fn check(&self) -> Result<(), SceneError> {
         if let Some(length) = self.next_step {
             error::above_zero("length of the next step", length, " s")?;
         }
         if let Some(error) = self.last_error {
-            error::at_least_zero("error of the last step", error, "")?;
+            error::above_zero("error of the last step", error, "")?;
         }
         Ok(())
     }
@@ -283,8 +282,8 @@ impl<R: Real> core::fmt::Display for Step<R> {
 
 /// Number of bisections of a stability limit.
 ///
-/// The bracket is at most as wide as its start, or a 64th of the result. They resolve f32, and 6e-8
-/// of the result in f64.
+/// The bracket is at most as wide as its start, or a 64th of the largest limit. They resolve f32,
+/// and in f64 6e-8 of the start or 1e-9 of the largest limit.
 pub(crate) const LIMIT_HALVINGS: u32 = 24;
 
 /// Returns the size of the next step of a method with a fixed `time_step`: `limit` if that is less.

@@ -13,7 +13,7 @@
 use core::cell::Cell;
 
 use super::inspected::{InspectedFriction, Inspector, Slide};
-use super::{Dynamics, size};
+use super::{Dynamics, mobility};
 use crate::body::InertiaProperties;
 use crate::contact::ContactModel;
 use crate::friction::SlidingFriction;
@@ -85,10 +85,12 @@ impl<R: Real> FrictionLimit<R> {
         contact.damper > self.largest
     }
 
-    /// Begins the search for the stiffest contact again.
+    /// Begins the search for the stiffest contact, and the sum of the friction that is removed,
+    /// again.
     #[inline]
     pub(crate) fn search(&self) {
         self.stiffest.set(Stiffest::default());
+        self.removed.set(R::ZERO);
     }
 
     /// Returns the stiffest contact since the search began.
@@ -97,7 +99,8 @@ impl<R: Real> FrictionLimit<R> {
         self.stiffest.get()
     }
 
-    /// Returns the acceleration of the farthest point by all friction that was removed, m/s².
+    /// Returns the acceleration of the farthest point by all friction that was removed since the
+    /// search began, m/s². Each evaluation of a contact adds what it has removed.
     #[inline]
     pub(crate) fn removed<D: Dynamics<R>>(&self, scene: &D) -> R {
         self.removed.get() * mobility(scene)
@@ -134,13 +137,6 @@ impl<R: Real> Inspector<R> for FrictionLimit<R> {
     {
         self.limited(force, slide.slip)
     }
-}
-
-/// Returns the largest velocity of the farthest point per impulse at a contact, 1/kg.
-#[inline]
-fn mobility<R: Real, D: Dynamics<R>>(scene: &D) -> R {
-    let (properties, arm) = (scene.inertia_properties(), size(scene));
-    properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm)
 }
 
 /// Scene with a [`FrictionLimit`].

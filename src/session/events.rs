@@ -154,7 +154,7 @@ where
     /// Returns [`StepError`] if [`step`](Self::step) does.
     pub fn dense_step(&mut self) -> Result<DenseStep<'a, B, G, F, A, I, R, E>, StepError> {
         self.renew_budget();
-        let path = self.path(&Clock::new(), self.clock.time);
+        let path = self.path(&Clock::new(), self.clock.time, true);
         let step = self.step()?;
         Ok(DenseStep {
             path,
@@ -174,7 +174,7 @@ where
         let end = self.stepper.end_at(seconds);
         end.check_first_step::<I>(clock)?;
         while !end.is_reached(clock) {
-            let mut path = self.path(clock, clock.time);
+            let mut path = self.path(clock, clock.time, N > 0);
             let step = self.step_of_run(&end, clock)?;
             let ends = [path.start(), path.instant(step.elapsed, self.state)];
             let spanned = (end.time_step).map_or(1, |own| (step.elapsed / own).floor_index());
@@ -235,14 +235,15 @@ where
     }
 
     /// Returns the path of the step that begins now, at this time of the run. Its errors name the
-    /// time `begin`, s.
-    fn path(&self, run: &Clock<R>, begin: R) -> StepPath<'a, B, G, F, A, I, R, E> {
+    /// time `begin`, s. Without a `search` no state within the step is asked for.
+    fn path(&self, run: &Clock<R>, begin: R, search: bool) -> StepPath<'a, B, G, F, A, I, R, E> {
         let mut clock = self.clock;
         clock.add(run);
         StepPath {
             stepper: self.stepper,
             state: self.state,
-            workspace: I::ADAPTIVE.then(|| self.workspace.borrow().clone()),
+            workspace: (search && self.stepper.chooses_steps())
+                .then(|| self.workspace.borrow().clone()),
             scratch: None,
             session: self.clock,
             run: *run,
@@ -257,7 +258,7 @@ struct StepPath<'a, B, G, F, A, I: Integrator<R>, R: Real, E> {
     stepper: &'a Stepper<B, G, F, A, I, R, E>,
     /// State at the start of the step.
     state: State<R>,
-    /// Workspace of an adaptive method at the start of the step.
+    /// Workspace of a method that chooses its steps, at the start of the step.
     workspace: Option<I::Workspace>,
     /// Workspace of any other method, once a moment within the step was evaluated. No result
     /// depends on it. A new one in each step cost `EnergyMomentum` seven times the step.

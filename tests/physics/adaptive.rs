@@ -12,10 +12,10 @@ use proptest::test_runner::TestRunner;
 use tumble::glam::{DMat3, DVec3, Quat, Vec3};
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AirDrag, BogackiShampine32, Bowl, Capsule, ContactLaw,
-    ContactPoint, Coulomb, Cuboid, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround, Ground,
-    Integrator, LimitedDamper, Nystrom, Plane, PointCloud, Radau5, RigidPointBody, Rk4, SolidCoin,
-    Sphere, SpringDamper, SpringDamperGround, State, StepError, Surface, Terrain, Trial,
-    UniformGravity,
+    ContactPoint, Coulomb, Cuboid, Disc, DormandPrince54, Ellipsoid, EnergyMomentum, FlatGround,
+    Ground, Integrator, LimitedDamper, Nystrom, Plane, PointCloud, Radau5, RigidPointBody, Rk4,
+    SlidingFriction, SolidCoin, Sphere, SpringDamper, SpringDamperGround, State, StepError,
+    Surface, Terrain, Trial, UniformGravity,
 };
 
 /// 1e-3 to 1e-9 m, three a decade, so that none is met by luck.
@@ -863,5 +863,110 @@ fn a_step_that_explodes_is_rejected() {
     assert!(
         touched >= 95,
         "{touched} of 100 bodies have touched the ground"
+    );
+}
+
+/// A body with a round rim flies, far from the ground or without one. The error of its rotation,
+/// which the step leaves out, kept the steps at a few milliseconds.
+#[test]
+fn a_round_rim_in_flight_takes_the_longest_steps() {
+    fn steps<I: Integrator>(name: &str, height: Option<f64>, integrator: I) {
+        let floor = FlatGround::level(1e4, 1.0);
+        let stepper = Stepper::new(Disc::solid(0.1, 0.5, 120)).unwrap();
+        let stepper = match height {
+            Some(_) => stepper.with_ground(floor).unwrap(),
+            None => stepper,
+        };
+        let stepper = stepper.with_integrator(integrator).unwrap();
+        let start = State::at(DVec3::Z * height.unwrap_or(0.0));
+        let start = stepper.with_angular_velocity(start, DVec3::new(0.0, 30.0, 40.0));
+        let mut session = stepper.session(start);
+        session.advance(1.0).unwrap();
+        let count = session.step_count();
+        assert!(count < 30, "{name}, {height:?}: {count} steps");
+    }
+    for height in [None, Some(3.0)] {
+        steps("DormandPrince54", height, DormandPrince54::new(1e-9));
+        steps("BogackiShampine32", height, BogackiShampine32::new(1e-7));
+        steps("AdaptiveNystrom", height, AdaptiveNystrom::new(1e-7));
+        steps("Radau5", height, Radau5::new(1e-9));
+    }
+}
+
+/// An oil film, whose friction does not depend on the load, N s/m.
+#[derive(Clone, Copy, Debug)]
+struct Oil(f64);
+
+impl SlidingFriction for Oil {
+    fn force(&self, _: f64, slip: DVec3) -> DVec3 {
+        slip * -self.0
+    }
+}
+
+/// A motion does not depend on the unit of mass, and neither do the steps. The error of a
+/// touch-down contained the friction of a load of 1 N, over that load.
+#[test]
+fn the_steps_do_not_depend_on_the_unit_of_mass() {
+    fn steps<I: Integrator>(unit: f64, integrator: I) -> (u64, State) {
+        let stepper = Stepper::builder(Sphere::solid(unit, 0.1))
+            .gravity(UniformGravity::down(9.8))
+            .ground(FlatGround::level(1e4 * unit, 5.0 * unit))
+            .friction(Oil(unit))
+            .integrator(integrator)
+            .build()
+            .unwrap();
+        let start = State::at(DVec3::Z * 0.2).with_linear_velocity(DVec3::X);
+        let mut session = stepper.session(start);
+        session.advance(1.0).unwrap();
+        (session.step_count(), *session.state())
+    }
+    fn compare<I: Integrator + Copy + core::fmt::Debug>(integrator: I) {
+        // A power of two: not a rounding differs.
+        let ((one, at_one), (many, at_many)) = (steps(1.0, integrator), steps(1024.0, integrator));
+        assert_eq!(one, many, "{integrator:?}");
+        assert_eq!(at_one.position, at_many.position, "{integrator:?}");
+    }
+    compare(DormandPrince54::new(1e-6));
+    compare(BogackiShampine32::new(1e-6));
+    compare(Radau5::new(1e-6));
+    compare(AdaptiveNystrom::new(1e-6));
+}
+
+/// Without a bound for the steps, which is a bound far above them: the shortest one was its
+/// rounding, 0.1 ms for 1000 s in `f32`, and a step to a touch-down was given up.
+#[test]
+fn a_very_long_longest_step_does_not_end_a_run() {
+    let stepper = Stepper::builder(Sphere::<f32>::solid(0.1, 0.02))
+        .gravity(UniformGravity::down(9.8_f32))
+        .ground(FlatGround::level(1e5_f32, 1.0))
+        .build()
+        .unwrap();
+    for longest_step in [1e3, 1e20_f32] {
+        let integrator = DormandPrince54 {
+            longest_step,
+            ..DormandPrince54::new(1e-4_f32)
+        };
+        let stepper = stepper.with_integrator(integrator).unwrap();
+        let mut state = State::at(Vec3::Z * 0.5);
+        stepper.advance(&mut state, 2.0).unwrap();
+        assert!(state.position.z > 0.0 && state.position.z < 0.5);
+    }
+}
+
+/// An error of 0 makes the next step of length 0, so that the second step failed.
+#[test]
+fn a_saved_session_whose_last_error_is_zero_is_refused() {
+    let trial = trial(1);
+    let stepper = trial.stepper(DormandPrince54::new(1e-4)).unwrap();
+    let mut session = stepper.session(trial.state());
+    session.advance(0.1).unwrap();
+    let text = serde_json::to_string(&session.save()).unwrap();
+    let mut saved: serde_json::Value = serde_json::from_str(&text).unwrap();
+    saved["control"]["last_error"] = 0.0.into();
+    let saved = serde_json::from_value(saved).unwrap();
+    let error = stepper.resume(&saved).err().unwrap();
+    assert_eq!(
+        error.to_string(),
+        "error of the last step must be above 0, got 0"
     );
 }

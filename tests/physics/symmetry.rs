@@ -855,7 +855,7 @@ fn an_invalid_session_is_refused_when_it_is_resumed() {
         ),
         (
             "/control/last_error",
-            "error of the last step must be at least 0, got -1",
+            "error of the last step must be above 0, got -1",
         ),
     ] {
         let mut bad = good.clone();

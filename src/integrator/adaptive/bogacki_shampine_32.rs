@@ -27,7 +27,7 @@ use super::method::adaptive_method;
 /// *May add energy* by the size of its error.
 ///
 /// *Not for contacts that stick or roll at a small slip speed.* Stability limits each step to about
-/// `2.8 slip_speed/(a μ g)`, whatever the tolerance. Here μ is the coefficient of friction, g is
+/// `2.5 slip_speed/(a μ g)`, whatever the tolerance. Here μ is the coefficient of friction, g is
 /// gravity, and `a = 1 + m r²/I` is 3 for a ring and 3.5 for a solid ball. A run then ends with
 /// [`BudgetSpent`](crate::StepError::BudgetSpent). With a slip speed of 1e-6 m/s a rolling ball
 /// takes a million steps in half a second. Use [`Radau5`](crate::Radau5) there, or

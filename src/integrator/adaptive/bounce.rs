@@ -22,13 +22,13 @@ use crate::integrator::contact_path::arm;
 use crate::integrator::energy_limit::rounding_of;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, size};
+use crate::scene::Dynamics;
 
 /// Returns the greatest depth that a contact can reach between two ends above ground, m.
 ///
 /// A path with the end slopes `m₀ > 0` and `m₁ < 0` by the fraction of the step descends by at most
-/// `|m₁ - m₀|/8` below the higher end, and by `m₀` at most. The slopes of all contacts differ by at
-/// most the change of the velocities in the step.
+/// `|m₁ - m₀|/4` below the higher end, which it does if all of the change happens at once. The
+/// slopes of all contacts differ by at most the change of the velocities in the step.
 #[inline]
 pub(super) fn reach<R: Real, D: Dynamics<R>>(
     scene: &D,
@@ -43,15 +43,7 @@ pub(super) fn reach<R: Real, D: Dynamics<R>>(
         .at_least(end.angular_velocity.length());
     let turning = (end.angular_velocity - start.angular_velocity).length();
     let rotation = (turning + spin * spin * seconds) * bounding_radius;
-    (change + rotation) * (seconds * R::from_f64(0.125))
-}
-
-/// Returns the largest speed of a point of the body per impulse at any contact, 1/kg.
-#[inline]
-pub(super) fn mobility<R: Real, D: Dynamics<R>>(scene: &D) -> R {
-    let properties = scene.inertia_properties();
-    let arm = size(scene);
-    properties.inverse_mass() + properties.largest_inverse_moment() * (arm * arm)
+    (change + rotation) * (seconds * R::from_f64(0.25))
 }
 
 /// Returns a number that is computed at its first use. A `OnceCell` would need a panic.

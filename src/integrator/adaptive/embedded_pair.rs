@@ -159,8 +159,8 @@ pub(crate) fn step<R: Real, D: Dynamics<R>, const STAGES: usize>(
             Quantity::LinearVelocity
         };
         report.rejected += 1;
-        if trial.seconds(limit) < settings.shortest_step() {
-            return Err(control.too_short(settings, quantity));
+        if control.gives_up(&trial, limit) {
+            return Err(control.too_short(quantity));
         }
     }
 }

@@ -246,13 +246,13 @@ impl<R: Real> Integrator<R> for AdaptiveEnergyMomentum<R> {
                         return Ok(doubled.step);
                     }
                     let quantity = doubled.errors.largest();
-                    (error, control.too_short(&settings, quantity))
+                    (error, control.too_short(quantity))
                 }
                 Err(failure) => (R::MAX, failure),
             };
             work.rejected += 1;
             trial.reduce(ROOTS, seconds, error);
-            if trial.seconds(limit) < settings.shortest_step() {
+            if control.gives_up(&trial, limit) {
                 return Err(failure);
             }
         }
@@ -396,11 +396,12 @@ impl<R: Real> Doubled<R> {
             Ok(step)
         };
         let (mut whole, mut end) = (*start, *start);
+        // The halves come last, so that the workspace remembers the end of the step.
+        let is_divided = advance(&mut whole, seconds)?.fallback;
         let half = seconds * R::HALF;
         let first = advance(&mut end, half)?;
         let middle = end;
         let halves = [first, advance(&mut end, seconds - half)?];
-        let is_divided = advance(&mut whole, seconds)?.fallback;
         let motion = Point::of(&end).motion(scene);
         let difference = Point::of(&whole).plus(&Point::of(&end), -R::ONE);
         let errors = Errors::of(scene, &difference, &motion)

@@ -216,8 +216,8 @@ impl<R: Real> Integrator<R> for AdaptiveNystrom<R> {
             }
             report.rejected += 1;
             trial.reduce(ROOTS, seconds, error);
-            if trial.seconds(limit) < settings.shortest_step() {
-                return Err(control.too_short(&settings, attempt.errors.largest()));
+            if control.gives_up(&trial, limit) {
+                return Err(control.too_short(attempt.errors.largest()));
             }
         }
     }

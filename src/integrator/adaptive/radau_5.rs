@@ -32,6 +32,7 @@ use super::embedded_pair::{Attempt, Formula, LeftOut, Pair, Place, Planned, Sett
 use super::method::adaptive_method;
 use crate::contact::Motion;
 use crate::force::Force;
+use crate::integrator::free_error;
 use crate::integrator::interface::Step;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
@@ -250,13 +251,19 @@ fn free<R: Real, D: Dynamics<R>>(planned: &Planned<'_, R, D>) -> Option<Attempt<
         ),
         angular_momentum,
     };
-    let attempt = Attempt {
-        end: Place::under(scene, at(seconds), |motion| planned.load(motion)),
+    let end = at(seconds);
+    let is_out_of_reach = free_error::is_out_of_reach(
+        scene,
+        [&start.motion, &end.motion(scene)],
+        (angular_momentum, acceleration.length()),
+        seconds,
+    );
+    is_out_of_reach.then(|| Attempt {
+        end: Place::under(scene, end, |motion| planned.load(motion)),
         motions: NODES.map(|node| at(seconds * R::from_f64(node)).motion(scene)),
         difference: start.slope.scaled(R::ZERO),
         left_out: LeftOut::Whole,
-    };
-    attempt.is_out_of_reach(planned).then_some(attempt)
+    })
 }
 
 /// Returns false for a step so short that the coefficients of its equations, which have the inverse

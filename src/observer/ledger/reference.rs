@@ -308,7 +308,7 @@ fn weighted<R: Real>(powers: &[Dissipation<R>], row: &[f64], seconds: R) -> Diss
     })
 }
 
-/// Sum of the absolute values of the three causes.
+/// Sum of the absolute values of all causes.
 pub(super) fn sizes<R: Real>(of: &Dissipation<R>) -> R {
     of.friction.abs() + of.damper.abs() + of.clamp.abs() + of.drag.abs() + of.drive.abs()
 }

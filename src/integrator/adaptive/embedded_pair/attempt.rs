@@ -130,11 +130,6 @@ impl<R: Real> Settings<R> {
         }
         Ok(())
     }
-
-    /// Returns the size below which a step is given up, s: the rounding of the longest step.
-    pub(in crate::integrator::adaptive) fn shortest_step(&self) -> R {
-        self.longest_step * R::EPSILON
-    }
 }
 
 /// Point, slope and motion at one end of a step.

@@ -167,6 +167,8 @@ pub(in crate::integrator::adaptive) struct Control<R: Real> {
     attempts: u32,
     /// Time advanced since then, s.
     time: R,
+    /// Size of the longest step attempted since then, s.
+    longest: R,
 }
 
 /// Step sizes of the attempts at one step.
@@ -297,9 +299,33 @@ impl<R: Real> Control<R> {
         let seconds = trial.seconds(limit);
         if seconds <= R::ZERO {
             // The proposed step size has underflowed.
-            return Err(self.too_short(settings, Quantity::Position));
+            return Err(self.too_short(Quantity::Position));
         }
+        self.longest = self.longest.at_least(seconds);
         Ok(seconds)
+    }
+
+    /// Returns true if the next attempt would be shorter than the rounding of the longest one: no
+    /// shorter step keeps the tolerance either.
+    #[inline]
+    pub(in crate::integrator::adaptive) fn gives_up(&self, trial: &TrialSize<R>, limit: R) -> bool {
+        trial.seconds(limit) < self.shortest()
+    }
+
+    /// Returns the size below which a step is given up, s.
+    #[inline]
+    fn shortest(&self) -> R {
+        self.longest * R::EPSILON
+    }
+
+    /// Error of a step that is given up.
+    #[cold]
+    pub(in crate::integrator::adaptive) fn too_short(&self, quantity: Quantity) -> StepError {
+        StepError::StepTooShort {
+            quantity,
+            length: self.shortest().to_f64(),
+            time: self.time.to_f64(),
+        }
     }
 
     #[inline]
@@ -314,24 +340,11 @@ impl<R: Real> Control<R> {
         Ok(())
     }
 
-    #[cold]
-    pub(in crate::integrator::adaptive) fn too_short(
-        &self,
-        settings: &Settings<R>,
-        quantity: Quantity,
-    ) -> StepError {
-        StepError::StepTooShort {
-            quantity,
-            length: settings.shortest_step().to_f64(),
-            time: self.time.to_f64(),
-        }
-    }
-
     /// Sets the next step size after an accepted step.
     ///
     /// The rule is that of a proportional-integral controller (Gustafsson 1991; Hairer, Nørsett &
     /// Wanner, section IV.2): `h' = 0.9 h err^-α err_last^(α/2)`. α is 1/8 for an estimate of order
-    /// 5 in the step size and 1/4 for one of order 3: just below 0.7 over the order.
+    /// 5 in the step size and 1/4 for one of order 3, which is near 0.7 over the order.
     ///
     /// If the caller's limit or a discontinuity has shortened the step, it says little about the
     /// size of the next one. The proposal is then unchanged.

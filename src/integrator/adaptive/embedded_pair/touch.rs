@@ -19,7 +19,7 @@ use crate::integrator::contact_path::{ContactEnd, ContactView, Path, arm, path_e
 use crate::integrator::point::Point;
 use crate::quadrature::{bisect, integral_of_3};
 use crate::real::{Real, Vector};
-use crate::scene::{Dynamics, OnSurface, size};
+use crate::scene::{Dynamics, OnSurface, mobility, size};
 
 /// Errors caused by contacts in a step within which their force or its derivative is discontinuous.
 #[derive(Clone, Copy, Debug)]
@@ -209,7 +209,7 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     fn add_rims(&self, ends: [&Point<R>; 2], discontinuities: &mut Discontinuities<R>) {
         let stages = self.weighted_motions();
         let error = edge::rim_error(self.scene, ends, self.ends, stages, self.seconds);
-        let mobility = bounce::mobility(self.scene);
+        let mobility = mobility(self.scene);
         discontinuities.velocity +=
             error * self.seconds * mobility * R::from_f64(tuning::ERROR_WEIGHT);
     }
@@ -224,7 +224,7 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     ) {
         let motions = (self.ends, touches);
         if let Some(brush) = edge::brush(self.scene, ends, motions, self.seconds) {
-            let velocity = brush.force * self.seconds * bounce::mobility(self.scene);
+            let velocity = brush.force * self.seconds * mobility(self.scene);
             let matters = velocity * R::from_f64(tuning::UNTREATED) > self.allowed;
             let first = brush.before.at_least(R::from_f64(tuning::SHORTEST_PART));
             discontinuities.add(&Discontinuities {
@@ -254,7 +254,7 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
         let path = Path::between(start, end, self.seconds);
         let force = |share: R| self.force_on(&path, share);
         let bent = Bent::between(force, R::ZERO, R::ONE);
-        let weight = self.error_weight(point);
+        let weight = self.error_weight(point, bent.integral);
         if bent.doubt * weight <= self.allowed * R::from_f64(tuning::SMOOTH) {
             return R::ZERO;
         }
@@ -282,13 +282,15 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     #[inline(never)]
     fn stage_error(&self, point: &ContactPoint<R>, path: &Path<R>) -> R {
         let truth = Bent::between(|share| self.force_on(path, share), R::ZERO, R::ONE).integral;
-        (truth - self.mean_of_stages(point)).abs() * self.error_weight(point)
+        (truth - self.mean_of_stages(point)).abs() * self.error_weight(point, truth)
     }
 
-    /// Returns the velocity error per error of the mean normal force of a contact, m/s/N.
+    /// Returns the velocity error per error of the mean normal force of a contact, m/s/N, under a
+    /// load (N).
     #[inline]
-    fn error_weight(&self, point: &ContactPoint<R>) -> R {
-        self.seconds * mobility(self.scene, point, self.ends[1]) * R::from_f64(tuning::ERROR_WEIGHT)
+    fn error_weight(&self, point: &ContactPoint<R>, load: R) -> R {
+        let mobility = mobility_with_friction(self.scene, point, self.ends[1], load);
+        self.seconds * mobility * R::from_f64(tuning::ERROR_WEIGHT)
     }
 
     /// Returns the normal force on a path at a fraction of the step, N.
@@ -337,7 +339,10 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
             self.mean_of_stages(point)
         };
         let motion = self.ends[usize::from(!pushes)];
-        let mobility = mobility(self.scene, point, motion);
+        let load = truth
+            .at_least(start.normal_force)
+            .at_least(end.normal_force);
+        let mobility = mobility_with_friction(self.scene, point, motion, load);
         let mut velocity =
             (truth - taken).abs() * (self.seconds * mobility) * R::from_f64(tuning::ERROR_WEIGHT);
         if !(pushes || end.pushes()) {
@@ -369,8 +374,8 @@ impl<R: Real, D: Dynamics<R>> AttemptedStep<'_, R, D> {
     /// that the contact may reach this `depth` (m).
     #[inline(never)]
     fn near_miss_error(&self, point: &ContactPoint<R>, depth: R) -> R {
-        let impulse = push(self.scene, depth, R::ZERO) * self.seconds;
-        impulse * mobility(self.scene, point, self.ends[1])
+        let load = push(self.scene, depth, R::ZERO);
+        load * self.seconds * mobility_with_friction(self.scene, point, self.ends[1], load)
     }
 
     /// Returns the impulse with which a contact that parts within the step has pushed too much,
@@ -490,17 +495,30 @@ fn first_change<R: Real>(force: impl Fn(R) -> R, pushes: bool, last: R) -> R {
 const HALVINGS: u32 = 20;
 /// Most rounds of half as many bisections beyond them, down to rounding.
 const ROUNDS: u32 = 4;
+
 /// Returns the speed of the farthest point of the body per normal impulse at a contact, 1/kg.
 ///
-/// It includes the friction of the contact.
-fn mobility<R: Real, D: Dynamics<R>>(scene: &D, point: &ContactPoint<R>, motion: &Motion<R>) -> R {
+/// It includes the friction of the contact under a load (N).
+fn mobility_with_friction<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    point: &ContactPoint<R>,
+    motion: &Motion<R>,
+    load: R,
+) -> R {
     let mass = scene.inertia_properties();
     let (arm, normal) = arm(scene, motion, point);
     let slip = slip(scene, motion, (arm, normal));
-    let force = normal
-        + scene
-            .friction()
-            .force_at(motion.position + arm, R::ONE, slip);
+    let friction = scene.friction();
+    // That of one newton has no rounding of the load.
+    let load = if friction.is_proportional_to_load() {
+        R::ONE
+    } else {
+        load
+    };
+    let mut force = normal;
+    if load > R::ZERO {
+        force += friction.force_at(motion.position + arm, load, slip) * (R::ONE / load);
+    }
     let spin = mass.angular_velocity(&motion.axes, arm.cross(force));
     force.length() * mass.inverse_mass() + spin.length() * size(scene)
 }

@@ -11,7 +11,7 @@ use crate::integrator::adaptive::{bounce, edge};
 use crate::integrator::contact_path::{ContactView, Path, path_error, push};
 use crate::integrator::point::Point;
 use crate::real::Real;
-use crate::scene::{Dynamics, OnSurface};
+use crate::scene::{Dynamics, OnSurface, mobility};
 
 /// Returns the velocity of the farthest point that such contacts would have changed, m/s, or have
 /// changed too much.
@@ -38,7 +38,7 @@ pub(super) fn missed<R: Real, D: Dynamics<R>>(
             impulse += brush.force * seconds;
         }
     }
-    impulse * bounce::mobility(scene)
+    impulse * mobility(scene)
 }
 
 /// Impulse of such contacts on one surface, N s, and whether the body touches it at both ends.

@@ -68,9 +68,11 @@ impl<R: Real> Attempt<R> {
         // The next step begins at the rounded state.
         let point = Point::of(&state);
         let limit = limited.limit();
+        let of_stages = limit.removed(scene) * R::from_f64(1.0 / 4.0);
         limit.search();
         let end = Stage::at(limited, point, taken.near);
-        let removed = Errors::of_parts(R::ZERO, limit.removed(scene) * start.seconds);
+        let removed = of_stages.at_least(limit.removed(scene));
+        let removed = Errors::of_parts(R::ZERO, removed * start.seconds);
         let allowed = allowed(settings, scene, &end, start.seconds);
         let errors =
             errors_of(scene, start, &taken, (&point, &end), allowed).plus(&removed.within(HORIZON));

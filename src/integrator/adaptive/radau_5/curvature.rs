@@ -85,7 +85,9 @@ fn changes_of_normal<R: Real, D: Dynamics<R>>(
     tangents: &[R::Vec3; 2],
 ) -> [R::Vec3; 2] {
     let (ground, _) = contact.laws(scene.ground(), scene.friction());
-    let nudge = size(scene) * R::EPSILON.sqrt();
+    // Far from the origin the rounding of the position needs a longer one.
+    let resolved = contact.position.length() * (R::EPSILON * R::from_f64(64.0));
+    let nudge = (size(scene) * R::EPSILON.sqrt()).at_least(resolved);
     scene.probe(|| {
         let here = ground.surface(contact.position).normal;
         tangents.map(|tangent| {
