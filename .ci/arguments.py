@@ -34,7 +34,24 @@ CLASHES = {
         (["--scene", "smooth", "--slip-speed", "0.01"], ["--slip-speed"]),
         (["--smooth", "--scene", "smooth"], ["--smooth"]),
     ],
-    "known_outcomes": [(["--check", "--write"], ["--check", "--write"])],
+    "coin": [
+        (["--all", "--trial", "3"], ["--all", "--trial"]),
+        (["--all", "--readme-picture", "x.svg"], ["--all", "--readme-picture"]),
+    ],
+    "heads_or_tails": [
+        (["--quick", "--full"], ["--quick", "--full"]),
+        (["--quick", "--write"], ["--quick", "--write"]),
+        (["--full", "--write"], ["--full", "--write"]),
+    ],
+    "known_outcomes": [
+        (["--check", "--write"], ["--check", "--write"]),
+        (["--quick", "--percent", "50"], ["--quick", "--percent"]),
+    ],
+    "measured_tosses": [
+        (["--synthetic", "--data", "x.csv"], ["--synthetic", "--data"]),
+        (["--synthetic", "--write"], ["--synthetic", "--write"]),
+        (["--quick", "--write"], ["--quick", "--write"]),
+    ],
     "tosses": [
         (["--merge", "--cost"], ["--merge", "--cost"]),
         (["--toss", "3", "--efficiency"], ["--toss", "--efficiency"]),

@@ -31,6 +31,9 @@ program="${CARGO_TARGET_DIR:-$PWD/target}/package/template"
 rm -rf "$program" && cp -r examples/template "$program"
 sed -i "s#path = \"../..\"#path = \"${archive%.crate}\"#" "$program/Cargo.toml"
 cargo fmt --check --manifest-path examples/template/Cargo.toml
+# What a registry's user has of the tests compiles, and so do the programs of the documentation, without the features that a published package cannot ask of itself.
+cargo check -q --tests --manifest-path "${archive%.crate}/Cargo.toml"
+cargo test -q --doc --manifest-path "${archive%.crate}/Cargo.toml"
 cargo run -q --manifest-path "$program/Cargo.toml" | grep -E '^(Heads|Tails) up$' || { echo "the template does not throw a coin"; exit 1; }
 
 # What comes along: each crate once, and all of it may be used under one of the library's own licences.

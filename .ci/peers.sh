@@ -1,5 +1,5 @@
 #!/bin/bash
-# The comparison with peers builds, its answers hold, and a scene of it runs. Not part of .ci/run: rapier compiles for minutes.
+# The comparison with peers builds, its answers hold, and a scene of it runs. Not part of .ci/run, as rapier compiles for minutes: a step before a release.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../benches/peers"
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/../../target}/peers"

@@ -65,6 +65,10 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--robust") {
         let write = arguments.iter().any(|argument| argument == "--write");
         let wanted = wanted.map_or("", String::as_str);
+        assert!(
+            !write || wanted.is_empty(),
+            "--write stores all scenes, and not those of '{wanted}'"
+        );
         robust::run(wanted, write, &folder()).unwrap();
         return;
     }

@@ -30,8 +30,8 @@ use crate::real::{Real, Vector};
 /// *To the implementer:* the force must keep this contract:
 ///
 /// * It lies in the surface, as `slip` does. A component along the normal would act as a normal
-///   force whose work no energy audit counts, except for contacts without radius on level ground,
-///   where it has no effect.
+///   force whose work no energy audit counts. It has no effect on the force of bare points on level
+///   ground, but on that of a rim or a ball.
 /// * It opposes the slip (`force · slip <= 0`), so that friction never adds energy.
 /// * It is 0 if `normal_force` is 0.
 /// * It is finite at zero slip, and tends to 0 with the slip: a law with a jump there has no

@@ -326,7 +326,8 @@ pub mod guide {
     #[doc = include_str!("guide/game.md")]
     pub mod game {}
 
-    #[doc = include_str!("guide/outcomes.md")]
+    // Its programs need the feature.
+    #[cfg_attr(any(feature = "ensemble", not(doctest)), doc = include_str!("guide/outcomes.md"))]
     pub mod outcomes {}
 
     #[doc = include_str!("guide/edge.md")]
@@ -372,7 +373,7 @@ pub mod guide {
     }
 }
 
-/// Programs of the README, compiled and run as documentation tests.
-#[cfg(doctest)]
+/// Programs of the README, compiled and run as documentation tests. One needs the feature.
+#[cfg(all(doctest, feature = "ensemble"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

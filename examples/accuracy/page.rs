@@ -31,8 +31,8 @@ pub(crate) fn write(out: &Path) -> Outcome<bool> {
         title: "Error and step size of every integrator with a fixed step",
         text: vec![
             "Trial 1 of the coin report for a second, compared with a solution of 13 digits. The \
-             error is the distance of the centres, plus the displacement of the rim by the \
-             rotation between the two states."
+             error is the root of the sum of two squares: the distance of the centres, and the \
+             displacement of the rim by the rotation between the two states."
                 .to_owned(),
             "Points of the rim touch down and lift off, where the derivatives of the force jump. \
              Methods of high order therefore do not reach their order on this scene."

@@ -18,8 +18,8 @@ pub(crate) fn trial() -> Result<Trial<f64>, &'static str> {
     })
 }
 
-/// Distance between two states of the coin, m: the distance of the centres, plus the displacement
-/// of the rim by the rotation between the states.
+/// Distance between two states of the coin, m: the root of the sum of two squares, the distance of
+/// the centres and the displacement of the rim by the rotation between the states.
 pub(crate) fn distance(a: &State, b: &State) -> f64 {
     // The arc cosine of the product, as in glam, does not resolve angles below 2e-8.
     let between = a.orientation * b.orientation.conjugate();

@@ -2,11 +2,14 @@
 
 use std::ffi::OsString;
 use std::fmt;
+use std::mem::discriminant;
 use std::path::PathBuf;
 
 use lexopt::prelude::*;
 
 use tumble::{Start, Trial};
+
+use common::not_both;
 
 use crate::setup::{Method, Setup};
 
@@ -41,10 +44,10 @@ How to compute
                                 strang, rk4 or nystrom; the energy of energy-momentum never
                                 increases, report is the unchanged loop of the coin report
                                                                    [default: energy-momentum]
-  -s, --step <SECONDS>          time step                 [default: 1e-3 for energy-momentum
+  -s, --step <SECONDS>          step size                 [default: 1e-3 for energy-momentum
                                                  and nystrom, 1e-4, the report's, for others]
   -d, --duration <SECONDS>      of the run                                    [default: 160]
-      --no-books                no energy audit: several times faster
+      --no-audit                no energy audit: several times faster
 
   -o, --out <FOLDER>            folder of the files                           [default: out]
   -q, --quiet                   no progress bar and no summary
@@ -62,6 +65,8 @@ pub(crate) struct Options {
     pub(crate) task: Task,
     /// Number of the trial in the coin report.
     pub(crate) number: usize,
+    /// True if the number is given.
+    is_numbered: bool,
     pub(crate) overrides: Overrides,
     /// Output folder, created if it does not exist.
     pub(crate) out: PathBuf,
@@ -91,7 +96,7 @@ pub(crate) struct Overrides {
     method: Option<Method>,
     time_step: Option<f64>,
     duration: Option<f64>,
-    no_books: bool,
+    no_audit: bool,
 }
 
 impl Overrides {
@@ -109,7 +114,7 @@ impl Overrides {
             method,
             time_step,
             duration,
-            books: !self.no_books,
+            audit: !self.no_audit,
             ..setup
         })
     }
@@ -132,6 +137,7 @@ impl Options {
         let mut options = Self {
             task: Task::OneTrial,
             number: 1,
+            is_numbered: false,
             overrides: Overrides::default(),
             out: PathBuf::from("out"),
             quiet: false,
@@ -144,6 +150,8 @@ impl Options {
                 break;
             }
         }
+        let all = ("--all", options.task == Task::AllTrials);
+        not_both([("--trial", options.is_numbered), all]).map_err(UsageError)?;
         // Errors of the command line come before the work.
         options.overrides.apply(options.number)?;
         Ok(options)
@@ -152,13 +160,21 @@ impl Options {
     fn read(&mut self, option: &str, parser: &mut lexopt::Parser) -> Result<(), UsageError> {
         match option {
             "--help" => self.task = Task::Help,
-            "--all" => self.task = Task::AllTrials,
-            "--readme-picture" => self.task = Task::ReadmePicture(parser.value()?.into()),
-            "--trial" => self.number = number_of_trial(parser)?,
+            "--all" => self.choose(Task::AllTrials)?,
+            "--readme-picture" => self.choose(Task::ReadmePicture(parser.value()?.into()))?,
+            "--trial" => (self.number, self.is_numbered) = (number_of_trial(parser)?, true),
             "--out" => self.out = parser.value()?.into(),
             "--quiet" => self.quiet = true,
             _ => self.overrides.read(option, parser)?,
         }
+        Ok(())
+    }
+
+    fn choose(&mut self, task: Task) -> Result<(), UsageError> {
+        let is_another =
+            !matches!(self.task, Task::OneTrial) && discriminant(&self.task) != discriminant(&task);
+        not_both([("--all", is_another), ("--readme-picture", true)]).map_err(UsageError)?;
+        self.task = task;
         Ok(())
     }
 }
@@ -176,7 +192,7 @@ impl Overrides {
             "--slip-speed" => self.slip_speed = Some(number(parser, option, "m/s")?),
             "--integrator" => self.method = Some(method(parser)?),
             "--step" => self.time_step = Some(seconds(parser, option)?),
-            "--no-books" => self.no_books = true,
+            "--no-audit" => self.no_audit = true,
             "--duration" => self.duration = Some(seconds(parser, option)?),
             unknown => return Err(UsageError(format!("there is no option {unknown}"))),
         }

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use indicatif::ProgressBar;
 use tumble::{Coin, ContactPoint, Ledger, Observer, Sample};
 
-use crate::recording::{Books, Moment};
+use crate::recording::{Audit, Moment};
 use crate::setup::Setup;
 
 /// A ring of any number of points.
@@ -37,7 +37,7 @@ impl<'a> Recorder<'a> {
             bar,
             interval: (1.0 / MOMENTS_PER_SECOND).max(setup.duration / MOST_MOMENTS),
             duration: setup.duration,
-            ledger: setup.books.then(Ledger::new),
+            ledger: setup.audit.then(Ledger::new),
             moments: Vec::new(),
         }
     }
@@ -48,12 +48,12 @@ impl<'a> Recorder<'a> {
     }
 
     /// Returns the moments and the energy audit, if there is one.
-    pub(crate) fn finish(self) -> (Vec<Moment>, Option<Books>) {
-        let books = self.ledger.map(|ledger| Books {
+    pub(crate) fn finish(self) -> (Vec<Moment>, Option<Audit>) {
+        let audit = self.ledger.map(|ledger| Audit {
             work: ledger.work(),
-            residue: ledger.energy_error(),
+            energy_error: ledger.energy_error(),
         });
-        (self.moments, books)
+        (self.moments, audit)
     }
 
     /// Returns true if the next moment or the end of the run is reached. Times are sums of steps,

@@ -12,7 +12,7 @@ pub(crate) struct Recording {
     pub(crate) setup: Setup,
     /// Moments in order of time, never empty.
     pub(crate) moments: Vec<Moment>,
-    pub(crate) books: Option<Books>,
+    pub(crate) audit: Option<Audit>,
     /// Sums over the steps of the integrator. The report's loop has none.
     pub(crate) tally: Tally,
     /// Processing time of the computer, s.
@@ -42,11 +42,11 @@ pub(crate) struct Moment {
 
 /// Energy dissipated since the start, by cause.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Books {
+pub(crate) struct Audit {
     /// Work of friction, dampers and clamp, J. Losses are negative.
     pub(crate) work: Dissipation,
     /// Unaccounted energy, J: the energy error of the method.
-    pub(crate) residue: f64,
+    pub(crate) energy_error: f64,
 }
 
 impl Recording {

@@ -53,11 +53,11 @@ fn record<I: Integrator<f64>>(
     let begin = Instant::now();
     drive(&setup, &stepper, &mut recorder)?;
     let wall_time = begin.elapsed().as_secs_f64();
-    let (moments, books) = recorder.finish();
+    let (moments, audit) = recorder.finish();
     Ok(Recording {
         setup,
         moments,
-        books,
+        audit,
         tally: stepper.integrator().tally(),
         wall_time,
     })

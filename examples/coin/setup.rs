@@ -29,7 +29,7 @@ pub(crate) struct Setup {
     /// Duration, s.
     pub(crate) duration: f64,
     /// True if the energy is audited. This costs several times the run itself.
-    pub(crate) books: bool,
+    pub(crate) audit: bool,
 }
 
 /// Method that advances the state.
@@ -56,7 +56,7 @@ impl Setup {
             method: Method::EnergyMomentum,
             time_step: Method::EnergyMomentum.usual_step(),
             duration: 160.0,
-            books: true,
+            audit: true,
         }
     }
 

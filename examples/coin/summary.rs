@@ -5,7 +5,7 @@ use std::fmt;
 use tumble::Energy;
 
 use crate::milestones::{Milestones, Skidding};
-use crate::recording::{Books, Recording};
+use crate::recording::{Audit, Recording};
 use crate::tally::Tally;
 
 /// Summary of a run, with `Display`.
@@ -21,8 +21,8 @@ impl fmt::Display for Summary<'_> {
         write_milestones(out, Milestones::of(recording))?;
         write_energy(out, "energy at the start", recording.first().energy)?;
         write_energy(out, "energy at the end", recording.last().energy)?;
-        match recording.books {
-            Some(books) => write_books(out, books)?,
+        match recording.audit {
+            Some(audit) => write_audit(out, audit)?,
             None => write_line(out, "energy audit", "none")?,
         }
         if recording.tally.iterations > 0 {
@@ -68,14 +68,14 @@ fn write_energy(out: &mut fmt::Formatter<'_>, label: &str, energy: Energy) -> fm
     write_line(out, label, kinds)
 }
 
-fn write_books(out: &mut fmt::Formatter<'_>, books: Books) -> fmt::Result {
+fn write_audit(out: &mut fmt::Formatter<'_>, audit: Audit) -> fmt::Result {
     let joules = |energy: f64| format!("{energy:11.4} J");
-    let change = books.work.total() + books.residue;
+    let change = audit.work.total() + audit.energy_error;
     write_line(out, "change of energy", joules(change))?;
-    write_line(out, "  by friction", joules(books.work.friction))?;
-    write_line(out, "  by the dampers", joules(books.work.damper))?;
-    write_line(out, "  by separation", joules(books.work.clamp))?;
-    let error = format!("{}, of the method", joules(books.residue));
+    write_line(out, "  by friction", joules(audit.work.friction))?;
+    write_line(out, "  by the dampers", joules(audit.work.damper))?;
+    write_line(out, "  by the clamp at 0 N", joules(audit.work.clamp))?;
+    let error = format!("{}, of the method", joules(audit.energy_error));
     write_line(out, "  energy error", error)
 }
 
@@ -93,8 +93,8 @@ fn write_speed(out: &mut fmt::Formatter<'_>, recording: &Recording) -> fmt::Resu
     let simulated = recording.last().time;
     let wall = recording.wall_time;
     let speed = simulated / wall;
-    let books = recording.books.map_or("", |_| ", audit included");
-    let text = format!("{wall:.3} s{books}: {speed:.0} simulated seconds per second");
+    let audit = recording.audit.map_or("", |_| ", audit included");
+    let text = format!("{wall:.3} s{audit}: {speed:.0} simulated seconds per second");
     write_line(out, "computed in", text)
 }
 

@@ -23,3 +23,14 @@ pub fn within<T: PartialOrd + Copy + Debug>(
         "{name} must be from {least:?} to {most:?}{unit}, got {value:?}"
     ))
 }
+
+/// Refuses two options that are given together.
+///
+/// # Errors
+/// Names both.
+pub fn not_both([first, second]: [(&str, bool); 2]) -> Result<(), String> {
+    match (first, second) {
+        ((first, true), (second, true)) => Err(format!("{first} must be left out with {second}")),
+        _ => Ok(()),
+    }
+}

@@ -26,7 +26,7 @@ use std::process::ExitCode;
 
 use lexopt::prelude::*;
 
-pub use argument::within;
+pub use argument::{not_both, within};
 pub use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
 pub use mesh::Mesh;
 pub use page::{Check, Page};

@@ -245,16 +245,27 @@ impl Check {
 
     /// Checks that the energy never increases in any of several runs (promise G1).
     pub fn energy(runs: impl IntoIterator<Item = Vec<f64>>) -> Self {
-        let mut largest = f64::NEG_INFINITY;
-        for run in runs {
-            let rises = run.windows(2).map(|pair| pair[1] - pair[0]);
-            largest = rises.fold(largest, f64::max);
-        }
-        let what = "largest increase of the energy between two moments, J";
+        let gains =
+            |run: Vec<f64>| -> Vec<f64> { run.windows(2).map(|pair| pair[1] - pair[0]).collect() };
+        Self::energy_gains("between two moments", runs.into_iter().flat_map(gains))
+    }
+
+    /// Checks that none of the changes of an energy (J) is above 0 (promise G1). `when` says what
+    /// they are between. It fails without a change, and for one that is not finite.
+    pub fn energy_gains(when: &str, gains: impl IntoIterator<Item = f64>) -> Self {
+        let larger = |one: f64, other: f64| if one >= other { one } else { other };
+        let gains = gains.into_iter();
+        let largest = gains.map(|gain| {
+            if gain.is_finite() {
+                gain
+            } else {
+                f64::INFINITY
+            }
+        });
         Self::between(
-            what,
+            &format!("largest increase of the energy {when}, J"),
             "EnergyMomentum: the energy never increases",
-            largest,
+            largest.reduce(larger).unwrap_or(f64::INFINITY),
             f64::NEG_INFINITY,
             0.0,
         )

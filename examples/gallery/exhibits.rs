@@ -100,7 +100,7 @@ const EXHIBITS: [Exhibit; 18] = [
         "A ring rolls, tumbles and comes to rest: the eight trials of the report.",
         0.01,
     )
-    .with_options(&["--all", "--quiet", "--no-books"])
+    .with_options(&["--all", "--quiet", "--no-audit"])
     .with_own_files("overview.html", "trial-1/coin.html"),
     Exhibit::film(
         "dice",

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 
 use common::{
     BLUE, Check, GREEN, GREY, ORANGE, Options, Outcome, Page, Picture, line, make_folder, marked,
-    program, table,
+    not_both, program, table,
 };
 use count::Count;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -92,6 +92,12 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             other => return Err(other.unexpected()),
         }
     }
+    let quick = ("--quick", arguments.options.quick);
+    let [full, write] = [arguments.is_full, arguments.is_written];
+    not_both([quick, ("--full", full)])?;
+    // The README has the answer of the usual number of tosses.
+    not_both([quick, ("--write", write)])?;
+    not_both([("--full", full), ("--write", write)])?;
     Ok(Some(arguments))
 }
 

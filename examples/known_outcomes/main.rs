@@ -22,7 +22,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::{Outcome, make_folder, marked, program, say};
+use common::{Outcome, make_folder, marked, not_both, program, say};
 
 const HELP: &str = "\
 Counts outcomes and compares them with numbers that are known without this crate. Each fraction has
@@ -159,16 +159,15 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
         out: PathBuf::from("out"),
     };
     let given: Vec<OsString> = std::env::args_os().skip(1).collect();
-    let mut percentage = None;
+    let (mut percentage, mut is_quick) = (None, false);
     let mut parser = lexopt::Parser::from_args(given);
     while let Some(argument) = parser.next()? {
         match argument {
             Long("percent") => {
-                let count = percent(parser.value()?.parse()?)?;
-                (arguments.size, percentage) = (Some(Size(10 * count)), Some(count));
+                percentage = Some(percent(parser.value()?.parse()?)?);
             }
-            Short('q') | Long("quick") => arguments.size = Some(Size::QUICK),
-            Long("check") => (arguments.size, arguments.is_checked) = (Some(Size::QUICK), true),
+            Short('q') | Long("quick") => is_quick = true,
+            Long("check") => arguments.is_checked = true,
             Long("write") => arguments.is_written = true,
             Short('o') | Long("out") => arguments.out = parser.value()?.into(),
             Short('h') | Long("help") => return Ok(None),
@@ -179,35 +178,35 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             other => return Err(other.unexpected()),
         }
     }
-    if let (true, Some(count)) = (arguments.is_checked, percentage) {
-        return Err(format!(
-            "--check plays a thousandth of the tosses: --percent must be left out, got {count}"
-        )
-        .into());
+    let check = ("--check", arguments.is_checked);
+    // Both play a thousandth of the tosses.
+    for quick in [("--quick", is_quick), check] {
+        not_both([("--percent", percentage.is_some()), quick])?;
     }
-    if arguments.is_checked && arguments.is_written {
-        // What is written first is not another one afterwards.
-        return Err(
-            "--check must be left out with --write, which replaces what it compares".into(),
-        );
+    // What is written first is not another one afterwards.
+    not_both([check, ("--write", arguments.is_written)])?;
+    if is_quick || arguments.is_checked {
+        arguments.size = Some(Size::QUICK);
+    } else {
+        arguments.size = percentage.map(|count| Size(10 * count));
     }
     if arguments.subjects.is_empty() {
         arguments.subjects = SUBJECTS.to_vec();
     }
-    let is_of_the_guide =
-        |subject: &Subject| percentage.is_none_or(|count| count == subject.percent);
-    if let Some(other) = arguments
-        .subjects
-        .iter()
-        .find(|subject| !is_of_the_guide(subject))
-        && arguments.is_written
-    {
-        let Subject { name, percent, .. } = other;
-        return Err(
-            format!("--percent must be {percent} for the tables of {name} in the guide").into(),
-        );
+    if let (true, Some(count)) = (arguments.is_written, percentage) {
+        all_of_the_guide(&arguments.subjects, count)?;
     }
     Ok(Some(arguments))
+}
+
+/// Refuses to write tables of another percentage than the guide's.
+fn all_of_the_guide(subjects: &[Subject], count: u64) -> Result<(), String> {
+    match subjects.iter().find(|subject| subject.percent != count) {
+        None => Ok(()),
+        Some(Subject { name, percent, .. }) => Err(format!(
+            "--percent must be {percent} for the tables of {name} in the guide, got {count}"
+        )),
+    }
 }
 
 fn percent(count: u64) -> Result<u64, lexopt::Error> {

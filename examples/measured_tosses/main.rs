@@ -22,7 +22,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use common::{
-    BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line, make_folder, marked, program, say,
+    BLUE, Check, ORANGE, Options, Outcome, Page, Picture, line, make_folder, marked, not_both,
+    program, say,
 };
 use fit::{Free, fit};
 use flights::Weighed;
@@ -121,6 +122,12 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             other => return Err(other.unexpected()),
         }
     }
+    let synthetic = ("--synthetic", arguments.synthetic);
+    let write = ("--write", arguments.is_written);
+    not_both([("--data", arguments.data.is_some()), synthetic])?;
+    // The guide has the figures of the whole fit of the data.
+    not_both([synthetic, write])?;
+    not_both([("--quick", arguments.options.quick), write])?;
     Ok(Some(arguments))
 }
 

@@ -18,9 +18,9 @@ use common::{Outcome, program, within};
 
 const HELP: &str = "\
 Tosses a coin of steel until its face is decided, and counts heads, tails and edge. Each part of
-the tosses is a file, written when it is complete. A part that is there is not played again: run the
-same command after an interruption. The result has the same bytes for any parts, threads and
-machines.
+the tosses is a file, written when it is complete. A toss that is in a file of the folder is not
+played again: run the same command after an interruption. The result has the same bytes for any
+parts, threads and machines.
 
 Usage: cargo run --release --example tosses -- [OPTIONS]
 
@@ -128,27 +128,34 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
             return Err(message.into());
         }
     }
-    if arguments.write && !matches!(arguments.task, Task::Cost) {
-        return Err("--write needs --cost, whose table it writes".into());
-    }
-    if arguments.tosses.end < arguments.tosses.start || arguments.part == 0 {
-        let (Range { start, end }, part) = (arguments.tosses, arguments.part);
-        return Err(format!(
-            "--to must be at least --from, and --part at least 1, got {end}, {start} and {part}"
-        )
-        .into());
-    }
-    let tosses = arguments.tosses.end - arguments.tosses.start;
-    let least = arguments.task.least_tosses();
-    within("--to minus --from", tosses, least..=MOST_TOSSES, " tosses")?;
-    // The other tasks write no parts, and a merge does not depend on their length.
-    if matches!(arguments.task, Task::Play) {
-        let parts = tosses.div_ceil(arguments.part);
-        let name = "--to minus --from over --part";
-        within(name, parts, 0..=MOST_PARTS, " files")?;
-    }
-    within("--threads", arguments.threads, 0..=MOST_THREADS, "")?;
+    arguments.check()?;
     Ok(Some(arguments))
+}
+
+impl Arguments {
+    /// Refuses what contradicts itself, and more tosses, files or threads than the bounds.
+    fn check(&self) -> Result<(), String> {
+        if self.write && !matches!(self.task, Task::Cost) {
+            return Err("--write needs --cost, whose table it writes".into());
+        }
+        if self.tosses.end < self.tosses.start || self.part == 0 {
+            let (Range { start, end }, part) = (&self.tosses, self.part);
+            return Err(format!(
+                "--to must be at least --from, and --part at least 1, got {end}, {start} and {part}"
+            ));
+        }
+        let tosses = self.tosses.end - self.tosses.start;
+        let least = self.task.least_tosses();
+        within("--to minus --from", tosses, least..=MOST_TOSSES, " tosses")?;
+        // The other tasks write no parts, and a merge does not depend on their length.
+        if matches!(self.task, Task::Play) {
+            let parts = tosses.div_ceil(self.part);
+            let name = "--to minus --from over --part";
+            within(name, parts, 0..=MOST_PARTS, " files")?;
+        }
+        within("--threads", self.threads, 0..=MOST_THREADS, "")?;
+        Ok(())
+    }
 }
 
 fn work(arguments: &Arguments) -> Outcome<()> {

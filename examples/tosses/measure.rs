@@ -3,8 +3,10 @@
 
 use std::time::Instant;
 
+use tumble::ensemble::Ensemble;
+
 use crate::Arguments;
-use crate::scene;
+use crate::scene::{self, CoinThrow};
 use common::{Outcome, marked, say};
 
 pub(crate) fn label_error(arguments: &Arguments) -> Outcome<()> {
@@ -30,18 +32,25 @@ pub(crate) fn label_error(arguments: &Arguments) -> Outcome<()> {
 /// lengthen a time.
 const REPETITIONS: usize = 5;
 
+/// Time of all tosses on the threads of the pool, s.
+fn seconds(
+    arguments: &Arguments,
+    ensemble: &Ensemble,
+    throw: &CoinThrow<'_>,
+) -> Result<f64, String> {
+    let clock = Instant::now();
+    let tally = ensemble.run(arguments.tosses.clone(), |toss| throw.play(toss));
+    tally.map_err(|error| error.to_string())?;
+    Ok(clock.elapsed().as_secs_f64())
+}
+
 /// Plays the same tosses on one thread and on all threads of the pool, in turns.
 pub(crate) fn efficiency(arguments: &Arguments) -> Outcome<()> {
     let table = scene::table(scene::TOLERANCE)?;
     let throw = scene::throw(&table)?;
     let ensemble = scene::ensemble(&throw, arguments.seed);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let time = || -> Result<f64, String> {
-        let clock = Instant::now();
-        let tally = ensemble.run(arguments.tosses.clone(), |toss| throw.play(toss));
-        tally.map_err(|error| error.to_string())?;
-        Ok(clock.elapsed().as_secs_f64())
-    };
+    let time = || seconds(arguments, &ensemble, &throw);
     let threads = rayon::current_num_threads();
     let mut best = [f64::INFINITY; 2];
     for _ in 0..REPETITIONS {
@@ -67,12 +76,7 @@ pub(crate) fn cost(arguments: &Arguments) -> Outcome<()> {
     let throw = scene::throw(&table)?;
     let ensemble = scene::ensemble(&throw, arguments.seed);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let time = || -> Result<f64, String> {
-        let clock = Instant::now();
-        let tally = ensemble.run(arguments.tosses.clone(), |toss| throw.play(toss));
-        tally.map_err(|error| error.to_string())?;
-        Ok(clock.elapsed().as_secs_f64())
-    };
+    let time = || seconds(arguments, &ensemble, &throw);
     let mut best = f64::INFINITY;
     for _ in 0..REPETITIONS {
         best = best.min(one.install(time)?);

@@ -14,36 +14,52 @@ use crate::Arguments;
 use crate::scene;
 use common::{Outcome, make_folder, say};
 
-/// Plays the parts that are not there, and merges all of them.
+/// Plays the tosses that no file has, and merges all of them.
 pub(crate) fn play(arguments: &Arguments) -> Outcome<()> {
     let table = scene::table(scene::TOLERANCE)?;
     let throw = scene::throw(&table)?;
     let ensemble = scene::ensemble(&throw, arguments.seed);
     make_folder(&arguments.out)?;
-    let bar = bar(arguments.tosses.end - arguments.tosses.start)?;
-    for tosses in parts(arguments) {
+    let missing = missing(arguments, &ensemble)?;
+    let left: u64 = missing.iter().map(|gap| gap.end - gap.start).sum();
+    let all = arguments.tosses.end - arguments.tosses.start;
+    let bar = bar(all)?;
+    let mut done = all - left;
+    for tosses in missing.iter().flat_map(|gap| parts(gap, arguments.part)) {
+        let tally = ensemble.run_until(
+            tosses.clone(),
+            &Stop::at_end(),
+            |progress| bar.set_position(done + progress.done),
+            |toss| throw.play(toss),
+        )?;
         let file = arguments.out.join(name(&tosses));
-        let done = tosses.start - arguments.tosses.start;
-        if !is_complete(&file, &tosses, &ensemble)? {
-            let tally = ensemble.run_until(
-                tosses.clone(),
-                &Stop::at_end(),
-                |progress| bar.set_position(done + progress.done),
-                |toss| throw.play(toss),
-            )?;
-            write(&file, &serde_json::to_string(&tally)?)?;
-        }
-        bar.set_position(tosses.end - arguments.tosses.start);
+        write(&file, &serde_json::to_string(&tally)?)?;
+        done += tosses.end - tosses.start;
     }
     bar.finish_and_clear();
     merge(arguments)
 }
 
-/// Merges all parts of the folder, lists the gaps, and writes the result.
-pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
+/// Returns the tosses that are in no file. A file that cannot be read is played again. A result of
+/// another ensemble is not replaced.
+fn missing(arguments: &Arguments, ensemble: &Ensemble) -> Outcome<Vec<Range<u64>>> {
+    let mut files = files(&arguments.out)?;
+    files.retain(|file| read(file).is_ok());
+    let Some(there) = merged(&files)? else {
+        return Ok(vec![arguments.tosses.clone()]);
+    };
+    if there.seed() != ensemble.seed() || there.scene() != ensemble.scene() {
+        let shown = arguments.out.display();
+        return Err(format!("{shown} has another seed or scene: choose another folder").into());
+    }
+    Ok(there.gaps(arguments.tosses.clone()))
+}
+
+/// Files of the parts in a folder, in order.
+fn files(folder: &Path) -> Outcome<Vec<PathBuf>> {
     let mut files = Vec::new();
-    let shown = arguments.out.display();
-    let entries = fs::read_dir(&arguments.out).map_err(|error| format!("{shown}: {error}"))?;
+    let shown = folder.display();
+    let entries = fs::read_dir(folder).map_err(|error| format!("{shown}: {error}"))?;
     for entry in entries {
         let path = entry?.path();
         if path.to_string_lossy().ends_with(".part.json") {
@@ -51,8 +67,13 @@ pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
         }
     }
     files.sort();
+    Ok(files)
+}
+
+/// Merges the parts of these files.
+fn merged(files: &[PathBuf]) -> Outcome<Option<Tally<CoinFace>>> {
     let mut merged: Option<Tally<CoinFace>> = None;
-    for file in &files {
+    for file in files {
         let part = read(file).map_err(|error| format!("{}: {error}", file.display()))?;
         match &mut merged {
             None => merged = Some(part),
@@ -61,6 +82,13 @@ pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
                 .map_err(|error| format!("{}: {error}", file.display()))?,
         }
     }
+    Ok(merged)
+}
+
+/// Merges all parts of the folder, lists the gaps, and writes the result.
+pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
+    let shown = arguments.out.display();
+    let merged = merged(&files(&arguments.out)?)?;
     let merged = merged.ok_or_else(|| format!("no part in {shown}"))?;
     let result = arguments.out.join("result.json");
     write(&result, &serde_json::to_string(&merged)?)?;
@@ -75,9 +103,9 @@ pub(crate) fn merge(arguments: &Arguments) -> Outcome<()> {
     Ok(())
 }
 
-/// Parts of the range, which end at multiples of their length.
-fn parts(arguments: &Arguments) -> impl Iterator<Item = Range<u64>> {
-    let (Range { start, end }, part) = (arguments.tosses.clone(), arguments.part);
+/// Parts of a range, which end at multiples of their length.
+fn parts(range: &Range<u64>, part: u64) -> impl Iterator<Item = Range<u64>> + use<> {
+    let Range { start, end } = *range;
     let mut next = start;
     std::iter::from_fn(move || {
         let first = next;
@@ -88,19 +116,6 @@ fn parts(arguments: &Arguments) -> impl Iterator<Item = Range<u64>> {
 
 fn name(tosses: &Range<u64>) -> String {
     format!("{:012}-{:012}.part.json", tosses.start, tosses.end)
-}
-
-/// Returns true if the file has the result of these tosses. A file that cannot be read is played
-/// again. A result of another ensemble is not replaced.
-fn is_complete(file: &Path, tosses: &Range<u64>, ensemble: &Ensemble) -> Outcome<bool> {
-    let Ok(part) = read(file) else {
-        return Ok(false);
-    };
-    if part.seed() != ensemble.seed() || part.scene() != ensemble.scene() {
-        let shown = file.display();
-        return Err(format!("{shown} has another seed or scene: choose another folder").into());
-    }
-    Ok(part.ranges() == std::slice::from_ref(tosses))
 }
 
 fn read(file: &Path) -> Outcome<Tally<CoinFace>> {

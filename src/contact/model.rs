@@ -137,8 +137,9 @@ where
 
     /// Motion of the body as the ground sees it: relative to the ground's material, if that moves.
     ///
-    /// Slip, friction and rolling resistance are those of this motion. Depths, closing speeds and
-    /// arms are those of the motion itself, because the material moves along its surface.
+    /// Slip, closing speed, friction and rolling resistance are those of this motion. Depths and
+    /// arms are those of the motion itself. The closing speeds of both are the same where the
+    /// material moves along its surface, as [`MovingGround`](crate::MovingGround) requires.
     #[inline(always)]
     pub(crate) fn seen(&self, motion: &Motion<R>) -> Motion<R> {
         match self.ground.motion() {

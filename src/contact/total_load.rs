@@ -43,8 +43,9 @@ where
 {
     /// Force and torque of all contacts, without gravity.
     ///
-    /// The sums equal those of [`visit`](Self::visit) except for rounding. The torque of bare
-    /// points on a level plane is summed differently, in another fixed order.
+    /// The sums equal those of [`visit`](Self::visit) except for rounding, if friction lies in the
+    /// surface. For bare points on a level plane a component across it is left out, and the torque
+    /// is summed in another fixed order.
     #[inline(always)]
     #[must_use]
     pub fn load(&self, motion: &Motion<R>) -> Load<R> {

@@ -52,6 +52,8 @@ pub struct AnisotropicCoulomb<R: Real = f64> {
 impl<R: Real> AnisotropicCoulomb<R> {
     /// Creates the law for the plane with this normal and a grain in this direction.
     ///
+    /// The ground must have this normal. On another one the force has a component across it.
+    ///
     /// Both vectors have any length above 0. The direction is projected onto the plane, so it must
     /// not be parallel to the normal. Otherwise the unit vectors of the law are NaN, and a scene
     /// with it returns an error.

@@ -153,11 +153,11 @@ pub(super) fn mean_force_by_quadrature<R: Real, L: ContactLaw<R> + ?Sized>(
     end: R,
     seconds: R,
 ) -> MeanForce<R> {
-    let force = |end: R| mean_parts(law, start, end, seconds);
-    let (spring, damper) = force(end);
     if !(start > R::ZERO || end > R::ZERO) {
         return MeanForce::NONE;
     }
+    let force = |end: R| mean_parts(law, start, end, seconds);
+    let (spring, damper) = force(end);
     // One-sided difference over a thousandth of the path, or of the depth if the contact hardly
     // moves.
     let path = (end - start).abs() + (start.abs() + end.abs()) * R::from_f64(1e-3);

@@ -63,6 +63,10 @@ fn options() -> Result<Option<Options>, lexopt::Error> {
             _ => return Err(argument.unexpected()),
         }
     }
+    if options.write && (options.summary || !options.scene.is_empty()) {
+        // What is stored has all tables of all scenes.
+        return Err("--summary and --scene must be left out with --write".into());
+    }
     Ok(Some(options))
 }
 
@@ -92,12 +96,10 @@ fn run(options: &Options) -> Result<(), String> {
     if options.aims {
         return of_aims(options, markdown);
     }
-    // A stored table contains all scenes.
-    let wanted = |name: &str| options.write || name.contains(&options.scene);
     let mut measured = Vec::new();
     let mut tables = String::new();
     for scene in answers::all()? {
-        if wanted(scene.name) {
+        if scene.name.contains(&options.scene) {
             eprintln!("{} ...", scene.name);
             let rows = measure::rows(&scene, options.turns)?;
             if !options.summary {
@@ -105,6 +107,9 @@ fn run(options: &Options) -> Result<(), String> {
             }
             measured.push((scene, rows));
         }
+    }
+    if measured.is_empty() {
+        return Err(format!("no scene has '{}' in its name", options.scene));
     }
     let within: String = (measured.iter())
         .filter(|(scene, _)| scene.name == "trial 1")

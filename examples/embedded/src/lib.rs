@@ -1,5 +1,5 @@
 //! A coin of 120 points on a microcontroller, without operating system, allocator or panic: it is
-//! thrown, bounces, tumbles and comes to rest.
+//! thrown, and bounces and tumbles for two seconds.
 //!
 //! Each program in `src/bin` is this scene with one integrator in one precision, and nothing else.
 //! Its size is therefore that of such a scene. It prints the states, the energies and a hash of all

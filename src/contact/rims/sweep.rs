@@ -37,7 +37,7 @@ pub(in crate::contact) struct Sweep<R: Real> {
     /// Velocities along the ground, m/s, in the same form.
     slips: [R::Vec3; 3],
     discontinuities: Discontinuities<R>,
-    /// Points on the rim for half a radian.
+    /// Points on the rim for two radians: for a unit of `s` at the lowest point.
     density: R,
     lowest: [R; 2],
 }

@@ -10,7 +10,10 @@ struct Compared(&'static str);
 
 impl fmt::Write for Compared {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0 = self.0.strip_prefix(text).unwrap_or_else(|| panic!("{text}"));
+        self.0 = self
+            .0
+            .strip_prefix(text)
+            .unwrap_or_else(|| panic!("{text}"));
         Ok(())
     }
 }

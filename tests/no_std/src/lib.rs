@@ -248,9 +248,9 @@ pub fn probe_solids(
     sum += run(&cone, Rk4 { time_step }, parameters, state)?;
     let die = Cuboid::loaded(edges, parts).rounded(radius);
     let _ = die.face_up(state)?.pips();
-    sum += run(&die, EnergyMomentum { time_step }, parameters, state)?;
+    sum += run(die, EnergyMomentum { time_step }, parameters, state)?;
     let egg = Ellipsoid::loaded(edges, parts);
-    sum += run(&egg, EnergyMomentum { time_step }, parameters, state)?;
+    sum += run(egg, EnergyMomentum { time_step }, parameters, state)?;
     sum += run(
         Sphere::loaded(radius, parts),
         Rk4 { time_step },

@@ -9,5 +9,7 @@ use tumble::{Coin, Stepper};
 struct Honey;
 
 fn main() {
-    let _ = Stepper::new(Coin::ring(1.0, 0.5)).unwrap().with_friction(Honey);
+    let _ = Stepper::new(Coin::ring(1.0, 0.5))
+        .unwrap()
+        .with_friction(Honey);
 }

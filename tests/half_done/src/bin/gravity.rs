@@ -7,5 +7,7 @@
 use tumble::{Coin, Stepper};
 
 fn main() {
-    let _ = Stepper::new(Coin::ring(1.0, 0.5)).unwrap().with_gravity(9.8);
+    let _ = Stepper::new(Coin::ring(1.0, 0.5))
+        .unwrap()
+        .with_gravity(9.8);
 }

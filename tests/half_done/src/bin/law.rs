@@ -9,5 +9,7 @@ use tumble::{Coin, Ground, Stepper};
 struct Sand;
 
 fn main() {
-    let _ = Stepper::new(Coin::ring(1.0, 0.5)).unwrap().with_ground(Ground::level(Sand));
+    let _ = Stepper::new(Coin::ring(1.0, 0.5))
+        .unwrap()
+        .with_ground(Ground::level(Sand));
 }

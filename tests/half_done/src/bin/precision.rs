@@ -7,5 +7,7 @@ use tumble::{Coin, FlatGround, Stepper};
 
 fn main() {
     let coin = Coin::<f32>::ring(1.0, 0.5);
-    let _ = Stepper::new(coin).unwrap().with_ground(FlatGround::<f64>::level(1e3, 0.5));
+    let _ = Stepper::new(coin)
+        .unwrap()
+        .with_ground(FlatGround::<f64>::level(1e3, 0.5));
 }

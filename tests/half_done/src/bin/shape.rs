@@ -9,6 +9,11 @@ use tumble::{Coin, Ground, SpringDamper, Stepper};
 struct Hill;
 
 fn main() {
-    let law = SpringDamper { stiffness: 1e3, damping: 0.5 };
-    let _ = Stepper::new(Coin::ring(1.0, 0.5)).unwrap().with_ground(Ground { law, shape: Hill });
+    let law = SpringDamper {
+        stiffness: 1e3,
+        damping: 0.5,
+    };
+    let _ = Stepper::new(Coin::ring(1.0, 0.5))
+        .unwrap()
+        .with_ground(Ground { law, shape: Hill });
 }
