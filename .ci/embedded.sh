@@ -16,11 +16,11 @@ command -v qemu-system-riscv32 >/dev/null || cross_install "$work" qemu-system-m
 # Bytes of code and constants, and of stack, that a program may take on the Cortex-M4F, and the profile of the build.
 programs=(
   'symplectic_euler_f32 22016 4096 release'
-  'symplectic_euler_f64 48640 6144 release'
-  'energy_momentum_f32 98304 4608 release'
-  'compact_energy_momentum_f32 98304 6144 release'
-  'compact_energy_momentum_f32 71680 6400 small'
-  'energy_momentum_f64 156672 8192 release'
+  'symplectic_euler_f64 49664 6144 release'
+  'energy_momentum_f32 99328 4608 release'
+  'compact_energy_momentum_f32 99328 6144 release'
+  'compact_energy_momentum_f32 72704 6400 small'
+  'energy_momentum_f64 158720 8192 release'
 )
 profile=release
 build() { cargo build -q --profile $profile --locked --manifest-path examples/embedded/Cargo.toml "$@"; }

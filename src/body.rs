@@ -406,23 +406,21 @@ pub(crate) fn check_whole<R: Real>(
 /// not see it until the bounding sphere touches.
 fn check_reach<R: Real>(body: &(impl RigidPointBody<R> + ?Sized)) -> Result<(), SceneError> {
     let bounding_radius = body.bounding_radius();
-    let allowed = bounding_radius * R::EPSILON.sqrt();
-    let rims = body.rims().iter().map(Rim::farthest);
+    let most = bounding_radius + bounding_radius * R::EPSILON.sqrt();
     let contacts = body.contacts().iter();
-    let farthest = (contacts.map(|contact| contact.position.length() + contact.radius))
-        .chain(rims)
-        .fold(R::ZERO, R::at_least);
-    let beyond = farthest - bounding_radius;
-    if beyond <= allowed {
-        return Ok(());
+    let places = contacts.map(|contact| (contact.position, contact.radius));
+    let rims = body.rims().iter().map(|rim| (rim.farthest(), R::ZERO));
+    for (place, radius) in places.chain(rims) {
+        // In squares: a root of double precision is a large function where there is none.
+        let room = most - radius;
+        if room < R::ZERO || place.length_squared() > room * room {
+            let beyond = place.length() + radius - bounding_radius;
+            let quantity = "distance of a contact beyond the bounding radius of the body";
+            let rule = Rule::AtMostZero;
+            return Err(SceneError::new(quantity, rule, beyond.to_f64(), " m"));
+        }
     }
-    let quantity = "distance of a contact beyond the bounding radius of the body";
-    Err(SceneError::new(
-        quantity,
-        Rule::AtMostZero,
-        beyond.to_f64(),
-        " m",
-    ))
+    Ok(())
 }
 
 /// Checks that a smooth body has the one contact that represents the moving one.

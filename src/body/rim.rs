@@ -126,15 +126,9 @@ impl<R: Real> Rim<R> {
         self.centre.length() + self.radius
     }
 
-    /// Distance of the farthest point of the circle from the centre of mass, m.
-    pub(super) fn farthest(&self) -> R {
-        let beside = self.in_plane(self.centre);
-        let along = beside
-            .into_iter()
-            .fold(R::ZERO, |sum, part| sum + part * part);
-        let height = self.centre.length_squared() - along;
-        let reach = along.sqrt() + self.radius;
-        (reach * reach + height.at_least(R::ZERO)).sqrt()
+    /// Point of the circle that is farthest from the centre of mass, m.
+    pub(super) fn farthest(&self) -> R::Vec3 {
+        self.support_point(self.centre)
     }
 
     /// Support function: largest distance from the centre of mass in a direction (unit vector, body
