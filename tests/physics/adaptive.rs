@@ -954,6 +954,7 @@ fn a_very_long_longest_step_does_not_end_a_run() {
 }
 
 /// An error of 0 makes the next step of length 0, so that the second step failed.
+#[cfg(feature = "serde")]
 #[test]
 fn a_saved_session_whose_last_error_is_zero_is_refused() {
     let trial = trial(1);
