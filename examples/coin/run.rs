@@ -107,10 +107,10 @@ impl StepLimit {
             return;
         }
         self.next = sample.time + 0.01;
-        if let Some(limit) = stepper.largest_stable_step(sample.state) {
-            if self.least.is_none_or(|(least, _)| limit < least) {
-                self.least = Some((limit, sample.time));
-            }
+        if let Some(limit) = stepper.largest_stable_step(sample.state)
+            && self.least.is_none_or(|(least, _)| limit < least)
+        {
+            self.least = Some((limit, sample.time));
         }
     }
 

@@ -133,10 +133,10 @@ fn write(file: &Path, text: &str) -> Outcome<()> {
         file.sync_all()
     });
     let renamed = written.and_then(|()| fs::rename(&temporary, file));
-    if let Err(error) = &renamed {
-        if error.kind() != ErrorKind::AlreadyExists {
-            let _ = fs::remove_file(&temporary);
-        }
+    if let Err(error) = &renamed
+        && error.kind() != ErrorKind::AlreadyExists
+    {
+        let _ = fs::remove_file(&temporary);
     }
     Ok(renamed?)
 }
