@@ -244,7 +244,9 @@ pub trait RigidPointBody<R: Real = f64> {
     ///
     /// `towards` is of length 1, in body axes. Called for smooth bodies only.
     ///
-    /// The surface must be convex. Force and energy are then consistent: as the body rotates, the
+    /// The surface must be strictly convex, with finite radii of curvature, which
+    /// [`check_body`](crate::contract::check_body) does not test. The default is a sphere of the
+    /// bounding radius. Force and energy are consistent: as the body rotates, the
     /// penetration depth changes as if the point were fixed in the body. On ground that is not a
     /// plane, the point is searched where the normals of body and ground are opposite, in most
     /// poses by four to eight calls. A valley that is more curved than the body is a limit of

@@ -239,6 +239,10 @@ impl Ensemble {
     /// Use it on a sample of the tosses to estimate how many labels are wrong:
     /// [`label_error`](Tally::label_error). Observables are recorded by the coarse method only.
     ///
+    /// Both methods take the random numbers of the toss from the start of its stream. A pair of
+    /// which only one is decided counts as changed. The counts have the hash of this ensemble, so
+    /// those of different fine methods merge without an error.
+    ///
     /// # Errors
     /// Returns [`EnsembleError::BadRange`] if the range ends before its start.
     pub fn compare<L, P, Q>(

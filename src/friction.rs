@@ -97,7 +97,9 @@ pub trait SlidingFriction<R: Real = f64> {
     /// see [`FrictionJacobian`].
     ///
     /// The provided method takes differences of [`force`](Self::force). The derivatives steer
-    /// Newton's iteration: a small error in them costs iterations, not accuracy. If the force is
+    /// Newton's iteration, where a small error costs iterations, not accuracy. They also enter the
+    /// end velocity of a step that does not resolve friction, and
+    /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step). If the force is
     /// not opposite to the slip, they are those of its component along the slip, and
     /// [`metric_at`](Self::metric_at) gives its direction. At zero slip or zero load it returns
     /// [`FrictionJacobian::NONE`].
@@ -324,8 +326,12 @@ forward!(alloc::boxed::Box<F>);
 /// decreases as the slip increases.
 ///
 /// The derivative of the force along the slip is approximated by
-/// `-coefficient (1 - growth · |slip|/width)`, where `width` is proportional to `1/coefficient`.
-/// For [`Coulomb`] the width is `|slip| + slip_speed`, and it grows by 1 m/s for each m/s of slip.
+/// `-coefficient (1 - growth · |slip|/width)`: `growth · |slip|/width` is the relative decrease of
+/// the coefficient per relative increase of the slip. `width` is at least the slip, and
+/// `coefficient · width` is the limit to which the saturating part of the friction tends, which
+/// [`EnergyMomentum`](crate::EnergyMomentum) uses in stick. Where the whole law saturates, `growth`
+/// is the derivative of the width. For [`Coulomb`] the width is `|slip| + slip_speed`, and it grows
+/// by 1 m/s for each m/s of slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJacobian<R: Real = f64> {
     /// Force against the slip per slip, `-force · slip/|slip|²`, N s/m, at least 0. This is
@@ -334,9 +340,11 @@ pub struct FrictionJacobian<R: Real = f64> {
     pub coefficient: R,
     /// Derivative of the coefficient with respect to the normal force, s/m.
     pub per_load: R,
-    /// Speed in proportion to `1/coefficient` at constant normal force, m/s, above 0.
+    /// Limit of the saturating part of the friction over the coefficient, m/s, above 0, and at
+    /// least the slip.
     pub width: R,
-    /// Derivative of the width with respect to the size of the slip, 0 to 1.
+    /// Relative decrease of the coefficient per relative increase of the slip, times `width/|slip|`,
+    /// 0 to 1.
     pub growth: R,
 }
 

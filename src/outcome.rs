@@ -52,7 +52,8 @@ use springs::Springs;
 /// A body with faces on which it can come to rest.
 ///
 /// Implement it for a body of your own to use [`Barriers`]. For a body that lies on facets of the
-/// convex hull of its contacts, [`HullFace::basin`] does all of the work:
+/// convex hull of its contacts, [`HullFace::basin`] does all of the work. (For a smooth body, a
+/// ball or a capsule it returns `None`: there is no such facet.)
 ///
 /// ```
 /// use tumble::glam::{DMat3, DVec3};
@@ -77,6 +78,7 @@ use springs::Springs;
 pub trait Faces<R: Real = f64>: RigidPointBody<R> {
     /// Name of a face. It stands for one basin. An implementer may name the side that points up,
     /// as the coins and the cuboid do, or the facet on which the body lies, as [`HullFace`] does.
+    /// In an ensemble it is also `Ord` and `Send`, and has serde's traits if the counts are saved.
     type Face: Copy + PartialEq + core::fmt::Debug;
 
     /// Returns the basin of the face that contains the direction `down`, a unit vector in body axes
@@ -84,7 +86,7 @@ pub trait Faces<R: Real = f64>: RigidPointBody<R> {
     ///
     /// *To the implementer:* each direction belongs to at most one face. On the boundary of the
     /// directions of a face, the [support](RigidPointBody::support) of the body is at least the
-    /// `height` of its basin. Rounding of the direction is allowed for.
+    /// `height` of its basin. [`Barriers`] allows for the rounding of the direction.
     fn basin(&self, down: R::Vec3) -> Option<Basin<Self::Face, R>>;
 }
 
@@ -190,7 +192,8 @@ where
     ///   [`MovingGround`](crate::MovingGround), also one that stands still;
     /// - gravity plus any [constant force](crate::Force::constant_force) that does not point along
     ///   -z;
-    /// - springs that are too soft to support the body;
+    /// - springs of which a single contact is too soft to carry the body: a law that saturates must
+    ///   do so above its weight;
     /// - an applied force that is not passive.
     ///
     /// It costs some thousand evaluations of the springs' energy, and for a body with a round rim

@@ -8,7 +8,8 @@
 //!
 //! `Real`, [`Vector`], [`Quaternion`] and [`Matrix`] are sealed. They are public so that a body,
 //! ground or friction law can be written once for both precisions. Code for one precision needs
-//! none of them: `R::Vec3` *is* `glam::DVec3` when `R` is `f64`.
+//! none of them, except for functions with the same bits on every machine: `R::Vec3` *is*
+//! `glam::DVec3` when `R` is `f64`.
 
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};

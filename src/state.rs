@@ -247,3 +247,48 @@ mod approximate {
         }
     }
 }
+
+#[cfg(all(test, feature = "approx-05"))]
+mod tests {
+    use super::*;
+    use approx::AbsDiffEq;
+    use glam::{DQuat, DVec3};
+
+    /// Changes each of the thirteen numbers in turn.
+    fn changed(state: &State, by: f64) -> [State; 13] {
+        core::array::from_fn(|number| {
+            let mut other = *state;
+            match number {
+                0..3 => other.position[number] += by,
+                3..6 => other.linear_velocity[number - 3] += by,
+                6..9 => other.angular_momentum[number - 6] += by,
+                _ => {
+                    let mut orientation = other.orientation.to_array();
+                    orientation[number - 9] += by;
+                    other.orientation = DQuat::from_array(orientation);
+                }
+            }
+            other
+        })
+    }
+
+    #[test]
+    fn states_are_compared_in_each_number_and_by_rotation() {
+        let state = State::at(DVec3::new(0.3, -0.2, 0.7))
+            .with_linear_velocity(DVec3::new(0.1, 0.4, -0.6))
+            .with_rotation_vector(DVec3::new(0.4, -0.9, 0.2))
+            .with_angular_momentum(DVec3::new(-0.5, 0.2, 0.8));
+        let opposite = state.with_orientation(-state.orientation);
+        for same in [state, opposite] {
+            for near in changed(&same, 0.9e-9) {
+                assert!(state.abs_diff_eq(&near, 1e-9), "{near:?}");
+            }
+            for far in changed(&same, 1.1e-9)
+                .into_iter()
+                .chain(changed(&same, f64::NAN))
+            {
+                assert!(!state.abs_diff_eq(&far, 1e-9), "{far:?}");
+            }
+        }
+    }
+}

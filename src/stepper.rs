@@ -377,9 +377,9 @@ where
     /// stays.
     ///
     /// Returns `None` if there is no bound: no ground, several surfaces, ground that moves or is
-    /// not a level plane, gravity that does not point along -z, or springs too soft to support the
-    /// body. It also returns `None` if an applied force is not passive. Call it once for many
-    /// states.
+    /// not a level plane, gravity that does not point along -z, or springs of which a single
+    /// contact is too soft to carry the body. It also returns `None` if an applied force is not
+    /// passive. Call it once for many states.
     #[must_use]
     #[allow(clippy::type_complexity, reason = "the scene's parts are its type")]
     pub fn barriers(&self) -> Option<Barriers<'_, Scene<B, G, F, A, R, E>, R>>

@@ -18,6 +18,10 @@ pub struct GroundRange<R: Real = f64> {
     pub centre: R::Vec3,
     /// Distance from the middle to each side of the region, m, above 0. Hills and edges should be
     /// at least some hundredths of it wide.
+    ///
+    /// The check also evaluates points this far above and below the surface. On a
+    /// [`Terrain`](crate::Terrain) choose it below the least radius of curvature, and check several
+    /// regions. The gap beyond is not that of a terrain, and is reported as a fault of the surface.
     pub size: R,
     /// Largest penetration depth of a contact, m, above 0.
     pub depth: R,

@@ -34,6 +34,10 @@ where
     /// states. State and clock of the session are then those of the occurrence. The next call
     /// continues there.
     ///
+    /// It also ends, before its time is over, with [`EventEnd::Chatter`]: an event occurs faster
+    /// than the steps resolve, as [`Apex`](crate::Apex) and [`Landing`](crate::Landing) do when a
+    /// body comes to rest. [`advance`](Self::advance) covers the rest, or a run without that event.
+    ///
     /// *Cost* of a body at rest: each step evaluates the events, because their values may depend on
     /// the time. [`advance`](Self::advance) counts all steps of a body at rest at once.
     ///
@@ -83,7 +87,9 @@ where
     ///
     /// If `handle` returns `Break`, the run ends at the occurrence: state and clock of the session
     /// are those of the occurrence. Other events that occur at the same moment are passed on first.
-    /// Without `Break` the steps are those of [`advance`](Self::advance), bit by bit.
+    /// Without `Break` the steps are those of [`advance`](Self::advance), bit by bit. An event that
+    /// occurs faster than the steps resolve ends the run before its time is over, with
+    /// [`EventEnd::Chatter`].
     ///
     /// *Accuracy:* the moment is located on the path of the method within the step: a step of that
     /// length from the start of the step. The bracket is some units in the last place of the step.

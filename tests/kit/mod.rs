@@ -261,7 +261,12 @@ pub(crate) fn difference(a: &State, b: &State) -> f64 {
         (a.angular_momentum - b.angular_momentum).length(),
     ]
     .into_iter()
-    .fold(0.0, f64::max)
+    .fold(0.0, larger)
+}
+
+/// The larger of two numbers, or NaN if one is NaN, which no bound then accepts.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
 }
 
 /// m/s².

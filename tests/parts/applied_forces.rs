@@ -17,10 +17,11 @@ use tumble::error::LawQuantity;
 use tumble::glam::{DVec3, Vec3};
 use tumble::real::Vector;
 use tumble::{
-    AirDrag, AnyIntegrator, BogackiShampine32, ConstantForce, Coulomb, Cuboid, DormandPrince54,
-    Dynamics, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Ledger, Motion, NoForce,
-    Nystrom, PointCloud, Real, RigidPointBody, Rk4, Sample, Sphere, SpinDrag, SpinLift, State,
-    StepError, StrangSplitting, SymplecticEuler, UniformGravity, Wind, Wrench,
+    AdaptiveNystrom, AirDrag, AnyIntegrator, BogackiShampine32, ConstantForce, Coulomb, Cuboid,
+    DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler, Ledger,
+    Motion, NoForce, Nystrom, PointCloud, Radau5, Real, RigidPointBody, Rk4, Sample, Sphere,
+    SpinDrag, SpinLift, State, StepError, StrangSplitting, SymplecticEuler, UniformGravity, Wind,
+    Wrench,
 };
 
 /// Mass and radius of a tennis ball, kg and m, and the density of air, kg/m³.
@@ -57,11 +58,13 @@ fn fixed(h: f64) -> [(AnyIntegrator, f64); 6] {
     ]
 }
 
-/// Every adaptive integrator, with a tolerance (m).
-fn adaptive(tolerance: f64) -> [AnyIntegrator; 2] {
+/// The adaptive integrators of an order above 2, with a tolerance (m).
+fn adaptive(tolerance: f64) -> [AnyIntegrator; 4] {
     [
         BogackiShampine32::new(tolerance).into(),
         DormandPrince54::new(tolerance).into(),
+        AdaptiveNystrom::new(tolerance).into(),
+        Radau5::new(tolerance).into(),
     ]
 }
 

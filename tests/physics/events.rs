@@ -16,11 +16,11 @@ use crate::kit::once::Once;
 use tumble::glam::{DVec3, Vec3};
 use tumble::real::Vector;
 use tumble::{
-    AnyIntegrator, Apex, BogackiShampine32, Coin, ContactCloses, ContactOpens, Coulomb,
-    DormandPrince54, EnergyMomentum, Event, EventDirection, EventEnd, FlatGround, Flight,
-    ForwardEuler, Integrator, Landing, LiftOff, Nystrom, Occurrence, PointCloud, PointMass, Real,
-    Rk4, Sample, SceneError, SlipEnds, Sphere, State, StepError, StrangSplitting, SymplecticEuler,
-    Trial, UniformGravity,
+    AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, Apex, BogackiShampine32, Coin,
+    ContactCloses, ContactOpens, Coulomb, DormandPrince54, EnergyMomentum, Event, EventDirection,
+    EventEnd, FlatGround, Flight, ForwardEuler, Integrator, Landing, LiftOff, Nystrom, Occurrence,
+    PointCloud, PointMass, Radau5, Real, Rk4, Sample, SceneError, SlipEnds, Sphere, State,
+    StepError, StrangSplitting, SymplecticEuler, Trial, UniformGravity,
 };
 
 const GRAVITY: f64 = 9.8;
@@ -75,13 +75,16 @@ fn all<I: Integrator, const N: usize>(
 macro_rules! each_exact_in_flight {
     ($time_step:expr, |$integrator:ident, $name:ident| $block:block) => {{
         let time_step = $time_step;
-        let methods: [AnyIntegrator; 6] = [
+        let methods: [AnyIntegrator; 9] = [
             StrangSplitting { time_step }.into(),
             Rk4 { time_step }.into(),
             Nystrom { time_step }.into(),
             EnergyMomentum { time_step }.into(),
             DormandPrince54::new(1e-9).into(),
             BogackiShampine32::new(1e-7).into(),
+            AdaptiveNystrom::new(1e-7).into(),
+            Radau5::new(1e-7).into(),
+            AdaptiveEnergyMomentum::new(1e-5).into(),
         ];
         for $integrator in methods {
             let $name = $integrator.to_string();

@@ -142,6 +142,13 @@ fn a_slab_that_should_stay_stays_for_any_number_of_contacts() {
                 let (moved, many) = stays(count, steps);
                 let name = format!("{degrees} degrees, {slip_speed:e} m/s, {count}² contacts");
                 assert_eq!(many.fallbacks, 0, "{name}");
+                // The slip of the law is `ε tan/(μ - tan)`, twice the slip speed on the steepest
+                // slope. A slab that slides freely moves by 0.2 mm and more on a slope.
+                let creep = 2.0 * slip_speed * f64::from(steps) * time_step;
+                assert!(
+                    stored < creep + DEPTH,
+                    "{name}: {stored:e} m of 100 contacts"
+                );
                 assert!(
                     many.iterations <= MOST_ITERATIONS,
                     "{name}: {} iterations a step, {} with 100 contacts",

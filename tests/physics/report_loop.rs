@@ -6,6 +6,7 @@
 
 use crate::common::report_loop::{GRAVITY, MASS, ReportLoop, ReportTrial};
 use crate::common::{Row, distance, trace};
+use crate::kit::larger;
 
 const CENTRE: [&str; 3] = ["x", "y", "z"];
 const VELOCITY: [&str; 3] = ["ux", "uy", "uz"];
@@ -51,7 +52,7 @@ fn difference(report: &ReportLoop, row: Row<'_>, slip: f64) -> f64 {
         distance(report.arm(30), row.vector(["r30x", "r30y", "r30z"])),
         distance(report.arm(120), row.vector(["r120x", "r120y", "r120z"])),
     ];
-    (scalars.into_iter().chain(vectors)).fold(0.0, f64::max)
+    (scalars.into_iter().chain(vectors)).fold(0.0, larger)
 }
 
 // The traces are printed to nine significant digits: half a unit of the last is 5e-9 for numbers

@@ -215,6 +215,10 @@ fn nobodys_looking_changes_the_path_of_any_method() {
     });
     nobodys_looking_changes_the_path("Bogacki and Shampine", 1e-5, BogackiShampine32::new(1e-5));
     nobodys_looking_changes_the_path("Dormand and Prince", 1e-5, DormandPrince54::new(1e-5));
+    nobodys_looking_changes_the_path("AdaptiveNystrom", 1e-5, AdaptiveNystrom::new(1e-5));
+    nobodys_looking_changes_the_path("Radau5", 1e-5, Radau5::new(1e-5));
+    let implicit = AdaptiveEnergyMomentum::new(1e-3);
+    nobodys_looking_changes_the_path("AdaptiveEnergyMomentum", 1e-3, implicit);
     nobodys_looking_changes_the_path("flight", 0.0, Flight(EnergyMomentum { time_step: 1e-3 }));
 }
 

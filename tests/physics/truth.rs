@@ -437,7 +437,8 @@ mod audit {
     use crate::common::{continuous, works_table};
     use core::fmt::Write;
     use tumble::{
-        BogackiShampine32, Dissipation, DormandPrince54, Integrator, Ledger, Rk4, StepError, Trial,
+        AdaptiveNystrom, BogackiShampine32, Dissipation, DormandPrince54, Integrator, Ledger,
+        Radau5, Rk4, StepError, Trial,
     };
 
     const SLIP_SPEED: f64 = 1e-3;
@@ -654,6 +655,11 @@ mod audit {
                     audit(BogackiShampine32::new(tolerance), &row).unwrap(),
                     tolerance,
                 );
+                check(
+                    audit(AdaptiveNystrom::new(tolerance), &row).unwrap(),
+                    tolerance,
+                );
+                check(audit(Radau5::new(tolerance), &row).unwrap(), tolerance);
             }
         }
     }

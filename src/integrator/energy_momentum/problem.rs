@@ -64,8 +64,6 @@ pub(super) struct Problem<'a, R: Real, D> {
     pub(super) force_seconds: R,
     /// State before the applied force acted, if it acted just before the step.
     pub(super) unpushed: Option<&'a State<R>>,
-    /// Velocity (m/s) and angular velocity (rad/s) of that state.
-    pub(super) unpushed_velocities: Option<[R::Vec3; 2]>,
     /// Slip that a step in single precision can tell from 0, m/s.
     pub(super) slip_resolution: R,
     pub(super) mass: R,
@@ -179,7 +177,6 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             per_second: R::ONE / seconds,
             force_seconds: R::ZERO,
             unpushed: None,
-            unpushed_velocities: None,
             slip_resolution: R::ZERO,
             mass: properties.mass(),
             inertia: Matrix3::ZERO,
@@ -194,8 +191,8 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
         }
     }
 
-    /// Computes what the equations need and a flight does not: the inertia, the angular momentum
-    /// that belongs to it, and the velocities before the applied force acted.
+    /// Computes what the equations need and a flight does not: the inertia, and the angular
+    /// momentum that belongs to it.
     #[inline(always)]
     pub(super) fn prepare(&mut self) {
         let properties = self.scene.inertia_properties();
@@ -203,10 +200,6 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
             properties.inertia_for_solving(&self.motion.axes, self.start.angular_momentum);
         self.inertia = Matrix3 { x, y, z };
         self.angular_momentum = angular_momentum;
-        if let (Some(state), true) = (self.unpushed, self.scene.force().acts()) {
-            let motion = self.scene.motion(state);
-            self.unpushed_velocities = Some([motion.linear_velocity, motion.angular_velocity]);
-        }
         if is_single::<R>() {
             let around = self.motion.angular_velocity.length() * self.bounding_radius;
             let speed = self.motion.linear_velocity.length() + around;
@@ -539,9 +532,9 @@ impl<'a, R: Real, D: Dynamics<R>> Problem<'a, R, D> {
     /// stick it is the creep, and after the force a multiple of it.
     #[inline]
     pub(super) fn velocity_before_force(&self, arm: R::Vec3) -> R::Vec3 {
-        match self.unpushed_velocities {
-            Some([velocity, spin]) => velocity + spin.cross(arm),
-            None => self.motion.velocity_at(arm),
+        match self.unpushed {
+            Some(state) if self.scene.force().acts() => self.scene.motion(state).velocity_at(arm),
+            _ => self.motion.velocity_at(arm),
         }
     }
 

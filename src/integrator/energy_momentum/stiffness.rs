@@ -56,7 +56,9 @@ impl<R: Real> Others<R> {
         let (mut others, mut level) = (Self::NONE, Level::ZERO);
         contacts.visit_others(problem, trial, &mut |touch, lever, first| {
             visit(&touch.push);
-            others.of_levers += lever.torque * touch.push.mean.force;
+            if problem.moving_contact().is_some() {
+                others.of_levers += lever.torque * touch.push.mean.force;
+            }
             let jacobian = touch.jacobian(problem);
             let slide = touch.answer_of_slide(problem, &jacobian, contacts.len());
             let answer = slide.unwrap_or_else(|| {
