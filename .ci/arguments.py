@@ -24,7 +24,7 @@ BEYOND = {
         ["--seconds", "1e19"], ["--points", "10000000000"], ["--stiffness", "1e19"], ["--slip-speed", "1e-300"],
         ["--error", "1e19"], ["--error", "0"],
     ],
-    "known_outcomes": [["--percent", "10000000000"], ["--check", "--percent", "50"]],
+    "known_outcomes": [["--percent", "10000000000"]],
     "tennis": [["--friction", "1e19"], ["--restitution", "1e19"]],
     "tosses": [["--to", "10000000000000000000"], ["--to", "2000000", "--part", "1"], ["--threads", "10000000000"], ["--cost", "--to", "0"]],
 }
@@ -46,6 +46,7 @@ CLASHES = {
     "known_outcomes": [
         (["--check", "--write"], ["--check", "--write"]),
         (["--quick", "--percent", "50"], ["--quick", "--percent"]),
+        (["--check", "--percent", "50"], ["--check", "--percent"]),
     ],
     "measured_tosses": [
         (["--synthetic", "--data", "x.csv"], ["--synthetic", "--data"]),
