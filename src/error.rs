@@ -277,8 +277,8 @@ pub enum StepError {
         value: f64,
     },
     /// An adaptive method cannot keep its tolerance with any step down to the rounding of the
-    /// longest one that it has tried. Either the tolerance is below the rounding error, or a force does not
-    /// satisfy the assumptions of the method.
+    /// longest one that it has tried. Either the tolerance is below the rounding error, or a force
+    /// does not satisfy the assumptions of the method.
     #[error(
         "the tolerance needs steps below {length:.1e} s at {time:.6} s, because of the {quantity}: increase it, or check the forces there"
     )]

@@ -343,8 +343,8 @@ pub struct FrictionJacobian<R: Real = f64> {
     /// Limit of the saturating part of the friction over the coefficient, m/s, above 0, and at
     /// least the slip.
     pub width: R,
-    /// Relative decrease of the coefficient per relative increase of the slip, times `width/|slip|`,
-    /// 0 to 1.
+    /// Relative decrease of the coefficient per relative increase of the slip, times
+    /// `width/|slip|`, 0 to 1.
     pub growth: R,
 }
 

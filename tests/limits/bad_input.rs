@@ -557,7 +557,8 @@ fn a_body_whose_contacts_do_not_fit_it_is_refused() {
     assert_eq!(
         error(&[ball], 0.25, false).as_deref(),
         Some(
-            "distance of a contact beyond the bounding radius of the body must be at most 0, got 0.25 m"
+            "distance of a contact beyond the bounding radius of the body must be at most 0, \
+             got 0.25 m"
         )
     );
     assert_eq!(error(&[ball, ball], 0.5, false), None);

@@ -214,8 +214,8 @@ fn rolled(
 /// The estimate of a pair or of `Radau5` may be small by chance then: up to 58 tolerances in
 /// similar scenes, which shaped the remedy. These have another body, ground and start.
 ///
-/// At 1 cm, thirty times the depth, a step of `DormandPrince54` may contain a whole bounce: two of
-/// 5,400 such runs have more than 5 tolerances, and 7.3 at most.
+/// At 1 cm, more than the depth of most contacts, a step of `DormandPrince54` may contain a whole
+/// bounce: two of 1,200 such runs with a rim have more than 5 tolerances, and 7.3 at most.
 #[test]
 fn the_onset_of_the_force_of_a_rim_counts() {
     for ground in [[1e5, 0.0], [1e5, 12.0]] {
