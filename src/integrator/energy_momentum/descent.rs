@@ -39,9 +39,10 @@ use crate::state::State;
 const LENGTHS: u32 = 31;
 /// Number of Newton steps on Φ for each length.
 const NEWTON: u32 = 4;
-/// Largest resistance of a contact along the ground, in terms of the mass, over the reciprocal of
-/// the precision. The part of a larger one across an inclined ground, which is 0, would be computed
-/// with a rounding error above the mass, and the body could not leave the ground.
+/// Largest resistance of a contact along the ground or across it, in terms of the mass, over the
+/// reciprocal of the precision. The part of a larger one in the other direction, which is 0, would
+/// be computed on inclined ground with a rounding error above the mass. The body could then not
+/// leave the ground, or not slide on it.
 const STUCK: f64 = 1.0 / 1024.0;
 
 /// Searches for a backward Euler motion over `seconds`, a sixteenth of them, and so on, from a
@@ -164,7 +165,7 @@ struct Descent<'a, R: Real, D> {
     energy: Energy<R>,
     seconds: R,
     mass: R,
-    /// Largest resistance along the ground times h, kg.
+    /// Largest resistance of a contact times h, kg.
     stuck: R,
     inertia: Matrix3<R>,
     bounding_radius: R,
@@ -335,7 +336,8 @@ impl<'a, R: Real, D: Dynamics<R>> Descent<'a, R, D> {
                 .coefficient
                 * (h * weight);
             let along = along.at_most(self.stuck);
-            let across = n * (mean.damping * h * weight - along);
+            let across = (mean.damping * h * weight).at_most(self.stuck);
+            let across = n * (across - along);
             let resistance = Matrix3::diagonal(along).plus(&Matrix3::outer(across, n));
             let resisted = resistance.times(way.shift + way.turn.cross(contact.arm));
             force += -resisted;

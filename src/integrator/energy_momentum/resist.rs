@@ -33,6 +33,11 @@ const PASSES: u32 = 4;
 /// not resist would be rounding, which may be of any size.
 pub(super) const MOST_OF_PRECISION: f64 = 1.0 / 64.0;
 
+/// Number of points that may have that resistance each, which leaves the inertia three bits. More
+/// of them share that of one. Few points hold a body in stick, and the more they resist, the less
+/// it creeps.
+const FEW: usize = 8;
+
 /// A contact that resists, with its largest allowed impulses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resisting<R: Real> {
@@ -46,12 +51,12 @@ pub(super) struct Resisting<R: Real> {
     pub(super) across: R,
 }
 
-/// Returns the state after the contacts passed by `visit` have resisted its velocities. `visit` is
-/// called once in each pass with the motion before the impulses.
+/// Returns the state after the contacts passed by `visit`, so many, have resisted its velocities.
+/// `visit` is called once in each pass with the motion before the impulses.
 pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     scene: &D,
     bounding_radius: R,
-    state: &State<R>,
+    (state, contacts): (&State<R>, usize),
     mut visit: impl FnMut(&Motion<R>, &mut dyn FnMut(&Resisting<R>)),
 ) -> State<R> {
     let motion = motion_of(scene, state);
@@ -60,6 +65,7 @@ pub(super) fn resisted<R: Real, D: Dynamics<R>>(
     let mut slowed = *state;
     for _ in 0..PASSES {
         let mut sum = Resistance::of_body(scene, &motion, state.angular_momentum);
+        sum.limit(contacts);
         visit(&motion, &mut |contact| {
             contact.add_to(&mut sum, &relative, &known);
         });
@@ -119,6 +125,13 @@ impl<R: Real> Resistance<R> {
             turning: R::Vec3::ZERO,
             most: properties.mass() * (R::from_f64(MOST_OF_PRECISION) / R::EPSILON),
             active: false,
+        }
+    }
+
+    /// Limits the resistance of so many points.
+    fn limit(&mut self, points: usize) {
+        if points > FEW {
+            self.most = self.most / R::from_usize(points);
         }
     }
 

@@ -91,28 +91,33 @@ fn dissipate<R: Real, D: Dynamics<R>>(scene: &D, state: &State<R>, seconds: R) -
         touching
     };
     let share = scene.inertia_properties().mass() / R::from_usize(touching.max(1));
-    resisted(scene, bounding_radius, state, |motion, resist| {
-        visit_contacts(scene, motion, &mut |contact| {
-            let (ground, friction) = contact.laws(scene.ground(), scene.friction());
-            let spring = ground.spring_force(contact.depth);
-            let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
-            let damper = normal_force - spring;
-            let time = seconds * contact.weight;
-            let stops = share * contact.closing_speed.abs();
-            let load = if damper * time > stops {
-                spring + stops / time
-            } else {
-                normal_force
-            };
-            resist(&Resisting {
-                place: contact.arm,
-                normal: contact.normal,
-                along: friction
-                    .force_at(contact.position, load, contact.slip_velocity)
-                    .length()
-                    * time,
-                across: damper.abs() * time,
+    resisted(
+        scene,
+        bounding_radius,
+        (state, touching),
+        |motion, resist| {
+            visit_contacts(scene, motion, &mut |contact| {
+                let (ground, friction) = contact.laws(scene.ground(), scene.friction());
+                let spring = ground.spring_force(contact.depth);
+                let normal_force = ground.normal_force(contact.depth, contact.closing_speed);
+                let damper = normal_force - spring;
+                let time = seconds * contact.weight;
+                let stops = share * contact.closing_speed.abs();
+                let load = if damper * time > stops {
+                    spring + stops / time
+                } else {
+                    normal_force
+                };
+                resist(&Resisting {
+                    place: contact.arm,
+                    normal: contact.normal,
+                    along: friction
+                        .force_at(contact.position, load, contact.slip_velocity)
+                        .length()
+                        * time,
+                    across: damper.abs() * time,
+                });
             });
-        });
-    })
+        },
+    )
 }
