@@ -18,7 +18,7 @@ programs=(
   'symplectic_euler_f32 22016 4096 release'
   'symplectic_euler_f64 49664 6144 release'
   'energy_momentum_f32 99328 4608 release'
-  'compact_energy_momentum_f32 99328 6144 release'
+  'compact_energy_momentum_f32 99328 6208 release'
   'compact_energy_momentum_f32 72704 6400 small'
   'energy_momentum_f64 158720 8192 release'
 )

@@ -375,7 +375,8 @@ pub(crate) fn steps_with_events(
     let mut session = stepper.session(*start);
     let events: [&dyn Event; 3] = [&Landing, &LiftOff, &Apex];
     let seconds = TIME_STEP * f64::from(steps);
-    (session.run_with_events(seconds, events, |_| ControlFlow::Continue(()))).unwrap();
+    let end = session.run_with_events(seconds, events, |_| ControlFlow::Continue(()));
+    assert!(end.is_ok(), "{end:?}");
     *session.state()
 }
 

@@ -15,8 +15,8 @@ use common::{
 use kuva::prelude::*;
 use tumble::glam::DVec3;
 use tumble::{
-    AirDrag, Apex, Carried, Contact, Coulomb, Dynamics, EnergyMomentum, Ground, Landing, LiftOff,
-    Sample, Sphere, SpringDamper, SpringDamperGround, State, Stepper, UniformGravity,
+    AirDrag, Apex, Carried, Contact, Coulomb, Dynamics, EnergyMomentum, EventEnd, Ground, Landing,
+    LiftOff, Sample, Sphere, SpringDamper, SpringDamperGround, State, Stepper, UniformGravity,
 };
 
 const ABOUT: &str = "\
@@ -135,7 +135,7 @@ fn start() -> State {
 fn bounces(stepper: &Dropped) -> Outcome<Vec<Bounce>> {
     let mut found: Vec<Bounce> = Vec::new();
     let mut session = stepper.session(start());
-    session.run_with_events(60.0, [&Landing, &LiftOff, &Apex], |event| {
+    let end = session.run_with_events(60.0, [&Landing, &LiftOff, &Apex], |event| {
         let (state, time) = (event.state, event.time);
         let speed = state.linear_velocity.z.abs();
         if event.event == 0 {
@@ -156,7 +156,10 @@ fn bounces(stepper: &Dropped) -> Outcome<Vec<Bounce>> {
         }
         ControlFlow::Continue(())
     })?;
-    Ok(found)
+    match end {
+        EventEnd::Event(_) => Ok(found),
+        EventEnd::TimeCovered | EventEnd::Chatter { .. } => Err("the bounces do not end".into()),
+    }
 }
 
 /// Checks of a ball without air. In a contact of the time T, gravity changes a velocity by at most

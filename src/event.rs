@@ -235,6 +235,7 @@ pub struct Occurrence<R: Real = f64> {
 }
 
 /// How a run with events has ended.
+#[must_use = "a run may have ended before its time"]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventEnd<R: Real = f64> {
     /// The run has covered its time.

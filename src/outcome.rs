@@ -42,10 +42,8 @@ pub use hull::HullFace;
 
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
-use crate::force::Force;
-use crate::ground::SpringDamperGround;
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, is_driven};
 use crate::state::State;
 use springs::Springs;
 
@@ -202,8 +200,7 @@ where
     pub fn of(scene: &'a D) -> Option<Self> {
         let plane = scene.contact_model().plane()?;
         // A drive can lift the body over any barrier.
-        let is_driven = scene.force().acts() && !scene.force().is_passive();
-        if is_driven || scene.ground().motion().is_some() {
+        if is_driven(scene) {
             return None;
         }
         let gravity = scene.gravity();

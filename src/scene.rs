@@ -187,6 +187,13 @@ pub(crate) fn turned_freely<R: Real, D: Dynamics<R> + ?Sized>(
     }
 }
 
+/// Returns true if the applied force or the motion of the ground can do work on the body.
+#[inline]
+pub(crate) fn is_driven<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> bool {
+    let is_pushed = scene.force().acts() && !scene.force().is_passive();
+    is_pushed || scene.ground().motion().is_some()
+}
+
 /// Returns true if all three moments of the body differ.
 #[inline(always)]
 pub(crate) fn is_asymmetric<R: Real, D: Dynamics<R> + ?Sized>(scene: &D) -> bool {

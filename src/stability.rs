@@ -87,27 +87,75 @@ enum Friction {
 }
 
 /// Smallest limit along the outline, s. `R::MAX` for an empty outline.
+///
+/// A softer motion may have a smaller limit than the stiffest, because the stability region of a
+/// method need not be convex. So the smallest of some limits is improved between its neighbours.
 fn least_along<R: Real>(outline: &[[R; 2]], limit: &impl Fn(R, R) -> Option<R>) -> Option<R> {
-    let mut least = R::MAX;
-    for (start, end) in outline.iter().zip(outline.iter().skip(1)) {
-        for part in 0..=PARTS {
-            let [stiffness, damping] = between(start, end, part);
-            if stiffness > R::ZERO || damping > R::ZERO {
-                least = least.at_most(limit(stiffness, damping)?);
+    let limit_at = |[stiffness, damping]: [R; 2]| {
+        let is_empty = stiffness <= R::ZERO && damping <= R::ZERO;
+        if is_empty {
+            Some(R::MAX)
+        } else {
+            limit(stiffness, damping)
+        }
+    };
+    let (mut least, mut around) = (R::MAX, None);
+    for (&start, &end) in outline.iter().zip(outline.iter().skip(1)) {
+        let part = R::ONE / R::from_usize(PARTS);
+        for number in 0..=PARTS {
+            let place = R::from_usize(number) * part;
+            let value = limit_at(between(start, end, place))?;
+            if value < least {
+                let ends = [
+                    (place - part).at_least(R::ZERO),
+                    (place + part).at_most(R::ONE),
+                ];
+                (least, around) = (value, Some(ends.map(|place| between(start, end, place))));
             }
         }
     }
-    Some(least)
+    let Some([start, end]) = around else {
+        return Some(least);
+    };
+    let found = smallest(|share| limit_at(between(start, end, share)))?;
+    Some(found.at_most(least))
 }
 
-/// Number of parts into which an edge of the outline is divided. The stability region of a method
-/// need not be convex.
-const PARTS: usize = 3;
+/// Number of parts into which an edge of the outline is divided.
+const PARTS: usize = 8;
+/// Steps of the search between two parts, each of which reduces its range by the golden ratio.
+const SECTIONS: usize = 16;
+/// `(√5 - 1)/2`
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_8;
 
-fn between<R: Real>(start: &[R; 2], end: &[R; 2], part: usize) -> [R; 2] {
-    let along = R::from_usize(part) / R::from_usize(PARTS);
-    let [from, to] = [R::ONE - along, along];
-    [start[0] * from + end[0] * to, start[1] * from + end[1] * to]
+/// Point at a fraction of the way between two points.
+fn between<R: Real>(start: [R; 2], end: [R; 2], fraction: R) -> [R; 2] {
+    let rest = R::ONE - fraction;
+    [
+        start[0] * rest + end[0] * fraction,
+        start[1] * rest + end[1] * fraction,
+    ]
+}
+
+/// Returns the smallest value of a function between 0 and 1 that has one minimum there, by golden
+/// section. Returns `None` if the function does.
+fn smallest<R: Real>(value_at: impl Fn(R) -> Option<R>) -> Option<R> {
+    let golden = R::from_f64(GOLDEN_RATIO);
+    let [mut low, mut high] = [R::ZERO, R::ONE];
+    let [mut left, mut right] = [R::ONE - golden, golden];
+    let [mut at_left, mut at_right] = [value_at(left)?, value_at(right)?];
+    for _ in 0..SECTIONS {
+        if at_left < at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - (high - low) * golden;
+            at_left = value_at(left)?;
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + (high - low) * golden;
+            at_right = value_at(right)?;
+        }
+    }
+    Some(at_left.at_most(at_right))
 }
 
 /// Response of the contacts of a state to a small displacement and a small velocity, as

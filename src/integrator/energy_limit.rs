@@ -220,9 +220,9 @@ fn without_gain<R: Real>(start: &State<R>, end: &State<R>) -> [State<R>; 2] {
 
 /// Returns the end of a step, lowered by two units in the last place of the height.
 ///
-/// The function applies to a body without support whose height the step has changed by a unit in
-/// the last place at most. It takes at least one unit from the computed gravitational energy, which
-/// exceeds the kinetic energy gained.
+/// The function applies to a body without support that the step has lowered by a unit in the last
+/// place at most. It takes at least one unit from the computed gravitational energy, which exceeds
+/// the kinetic energy gained.
 fn fallen<R: Real, D: Dynamics<R>>(
     scene: &D,
     [start, end]: [&State<R>; 2],
@@ -231,10 +231,10 @@ fn fallen<R: Real, D: Dynamics<R>>(
     let gravity = scene.gravity();
     let square = gravity.length_squared();
     let lever = gravity.dot(end.position).abs();
+    let fall = gravity.dot(end.position - start.position);
     // The energy does not show a fall by a last place.
-    let fall = gravity.dot(end.position - start.position).abs();
-    let is_held = fall <= lever * R::EPSILON && square > R::ZERO;
-    if !is_held || (touching > 0 && is_supported(scene, start)) {
+    let is_hidden = fall >= R::ZERO && fall <= lever * R::EPSILON;
+    if !is_hidden || square == R::ZERO || (touching > 0 && is_supported(scene, start)) {
         return None;
     }
     // Height divided by |g|, for a displacement along g.

@@ -399,7 +399,7 @@ fn move_on<R: Real, D: Dynamics<R>>(
     if *state == start {
         fall(scene, state, &mut energy, dt, &mut step);
     }
-    applied::close_account(before.total(), energy.total(), &mut step);
+    applied::close_account(scene, [before.total(), energy.total()], &mut step);
     memory.note([&start, state], &energy, &step);
     Ok(step)
 }

@@ -5,7 +5,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::growth::factor_of_a_step;
+use crate::growth::{factor_of_a_step, growing_from};
 use crate::kit::erased::Stepper;
 use crate::kit::{self, Solid, each_explicit, log_uniform, order, point_mass};
 use proptest::prelude::*;
@@ -497,6 +497,9 @@ proptest! {
     /// A body on one contact or on several, upright or leaning, on a tilted plane, with and without
     /// the drag of a film. What grows by less than 2 % a step is its fall from the balance: at most
     /// `h √(a/r)`, with `h` below 4 ms, `a` of 0.4 m/s² and `r` above 0.05 m, which is 1.1 %.
+    ///
+    /// Growth above the limit was looked at in 4000 other cases. Without a film, and with a damping
+    /// ratio of 0.05 or less, each method grew by 2 % from 1.35 of it on, else from 2.5 on.
     #[test]
     fn a_step_is_stable_below_the_limit_of_a_pose_and_grows_above_it(
         kind in 0..4_usize,
@@ -511,6 +514,11 @@ proptest! {
         let turn = DQuat::from_rotation_arc(DVec3::Z, plane.normal) * turn;
         // ω = 1000 1/s for 1 kg.
         let ground = Layered { stiffness: 1e6, damping: 2e3 * ratio, plane };
+        // Friction that does not depend on the load would hold a contact in the layer, too.
+        let heights = body.contacts().iter().map(|c| (turn * c.position).dot(plane.normal));
+        let lowest = heights.clone().fold(f64::INFINITY, f64::min);
+        let is_in_layer = |height: f64| height > lowest + 1e-12 && height < lowest + 2.0 * LAYER;
+        prop_assume!(!heights.clone().any(is_in_layer));
         let (mut stepper, mut state, mut coulomb) = balanced(&*body, turn, ground, leaning, drag);
         // A contact that slides under Coulomb's friction while a film holds it flutters, and no
         // friction has a coefficient of 5.
@@ -532,10 +540,12 @@ proptest! {
             // of their quotients: up to 10 % too long.
             let below = factor(if method == "Nystrom" && drag > 0.0 { 0.9 } else { 0.98 });
             prop_assert!(below < 1.02, "{method}: grows by {below} below {limit:e} s");
-            // Where the limit is exact, and the method does not grow slowly.
-            if drag == 0.0 && !loaded && ratio < 0.05 && method != "ForwardEuler" {
-                let above = factor(1.03);
-                prop_assert!(above > 1.05, "{method}: grows by {above} above {limit:e} s");
+            // Dampers let most methods take longer steps than the limit, and friction that grows
+            // with the load lets single bodies take steps of any length.
+            if !loaded && method != "ForwardEuler" {
+                let is_free = drag == 0.0 && ratio < 0.05;
+                let (from, most) = (growing_from(factor), if is_free { 1.35 } else { 3.0 });
+                prop_assert!(from <= most, "{method}: grows from {from} of {limit:e} s only");
             }
         });
     }

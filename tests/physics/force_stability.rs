@@ -4,7 +4,7 @@
 // Helpers of these tests fail by panicking, like the tests.
 #![allow(clippy::unwrap_used)]
 
-use crate::growth::factor_of_a_step;
+use crate::growth::{factor_of_a_step, growing_from};
 use crate::kit::each_explicit;
 use crate::kit::erased::Stepper;
 use rand_chacha::ChaCha8Rng;
@@ -202,9 +202,17 @@ fn steps_are_stable_below_the_limit_of_a_force_and_grow_above_it() {
                     below < 1.002,
                     "{name}, {method}: grows by {below} below {limit:e} s"
                 );
-                // With springs and dampers of the ground the limit may be shorter than needed.
-                let grows = has_ground || above > 1.05;
-                assert!(grows, "{name}, {method}: {above} above {limit:e} s");
+                // With springs and dampers of the ground the limit may be shorter than needed:
+                // explicit Euler's is that of the least damped motion with the stiffest spring.
+                if !has_ground {
+                    assert!(above > 1.05, "{name}, {method}: {above} above {limit:e} s");
+                } else if method != "ForwardEuler" {
+                    let from = growing_from(factor);
+                    assert!(
+                        from <= 1.2,
+                        "{name}, {method}: from {from} of {limit:e} s only"
+                    );
+                }
             }
         });
     }
@@ -279,7 +287,47 @@ fn the_motion_with_the_least_damping_bounds_the_step_between_two_planes() {
                 share < 1.0 + 1e-4,
                 "{method}: {limit:e} s, not {expected:e} s, {laws:?}"
             );
-            assert!(share > 0.4, "{method}: only {share} of it, {laws:?}");
+            assert!(share > 0.8, "{method}: only {share} of it, {laws:?}");
+        });
+    }
+}
+
+/// A plate on its four lower corners moves up and down, and rocks about two axes. A softer motion
+/// may have a smaller limit than a stiffer one: with `Nystrom` that of 0.91 of the stiffness is 6 %
+/// below, at a damping ratio of 0.63.
+#[test]
+fn the_motion_with_the_smallest_limit_bounds_the_step_of_a_plate() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut ranged = |low: f64, high: f64| {
+        low * (high / low).powf(f64::from(random.next_u32()) / f64::from(u32::MAX))
+    };
+    for _ in 0..400 {
+        let mass = 1.3;
+        let sides = DVec3::new(ranged(0.1, 1.0), ranged(0.1, 1.0), ranged(0.01, 0.1));
+        let stiffness = ranged(1e3, 1e5);
+        let per_stiffness = ranged(1e-4, 1.0) * (mass / stiffness).sqrt();
+        let stepper = Stepper::new(Cuboid::solid(mass, sides))
+            .and_then(|stepper| {
+                stepper.with_ground(FlatGround::level(stiffness, per_stiffness * stiffness))
+            })
+            .unwrap();
+        let state = State::at(DVec3::Z * (sides.z / 2.0 - 1e-6));
+        let moment = |side: f64| mass * (side * side + sides.z * sides.z) / 12.0;
+        let rocking = |side: f64| stiffness * side * side / moment(side);
+        let motions = [4.0 * stiffness / mass, rocking(sides.x), rocking(sides.y)];
+        each_explicit!(1e-3, |integrator, method| {
+            let stepper = stepper.with_integrator(integrator).unwrap();
+            let limit = stepper.largest_stable_step(&state).unwrap();
+            let limits = motions.map(|stiffness| {
+                let damping = per_stiffness * stiffness;
+                Integrator::<f64>::largest_stable_step(&integrator, stiffness, damping).unwrap()
+            });
+            let least = limits.into_iter().fold(f64::INFINITY, f64::min);
+            let share = limit / least;
+            assert!(
+                share < 1.0 + 1e-3 && share > 0.85,
+                "{method}: {share} of {limits:?} s, {sides}, {stiffness} N/m, {per_stiffness} s"
+            );
         });
     }
 }
@@ -310,8 +358,7 @@ fn a_force_with_damping_has_its_own_limit_beside_damped_ground() {
             let held = of([3e3, damping]);
             let expected = ground.map_or(held, |law| of(law).min(held));
             let part = limit.unwrap() / expected;
-            println!("{method}, {height} m: {part}");
-            assert!(part < 1.0 + 1e-4 && part > 0.4, "{method}: {part}");
+            assert!((part - 1.0).abs() < 1e-4, "{method}, {height} m: {part}");
         });
     }
 }

@@ -124,7 +124,8 @@ impl<R: Real> Elevation<R> {
 /// the surface can be nearest, and the gap has edges. The search starts at the point vertically
 /// below or above. It may then find a point that is near but not nearest. Even there the energy
 /// never increases ([`EnergyMomentum`](crate::EnergyMomentum)), but the accuracy of the path is not
-/// guaranteed.
+/// guaranteed. A million radii of curvature below the surface, a body was found to stay where a
+/// force could still press it down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Terrain<H> {

@@ -16,13 +16,11 @@ use core::cell::Cell;
 use crate::body::ContactPoint;
 use crate::contact::Motion;
 use crate::energy::Energy;
-use crate::force::Force;
-use crate::ground::SpringDamperGround;
 use crate::integrator::contact_path::arm;
 use crate::integrator::energy_limit::rounding_of;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, is_driven};
 
 /// Returns the greatest depth that a contact can reach between two ends above ground, m.
 ///
@@ -60,7 +58,7 @@ pub(super) fn once<R: Real>(known: &Cell<Option<R>>, compute: impl FnOnce() -> R
 /// It is 0 if the ground or the applied force may drive the body.
 #[inline(never)]
 pub(super) fn energy_gained<R: Real, D: Dynamics<R>>(scene: &D, ends: [&Point<R>; 2]) -> R {
-    if scene.ground().motion().is_some() || !scene.force().is_passive() {
+    if is_driven(scene) {
         return R::ZERO;
     }
     let [before, after] = ends.map(|end| Energy::of(scene, &end.to_state()));

@@ -454,12 +454,8 @@ fn sum_of<R: Real, D: Dynamics<R>>(
         ..*work
     };
     if first.drive_work != R::ZERO || second.drive_work != R::ZERO {
-        let [before, after] = [start, end].map(|state| Energy::of(scene, state).total());
-        if step.drive_work == R::ZERO {
-            // The works cancel, but the sums of energy and work are rounded.
-            step.drive_work = (after - before).at_least(R::ZERO);
-        }
-        energy_momentum::close_account(before, after, &mut step);
+        let energies = [start, end].map(|state| Energy::of(scene, state).total());
+        energy_momentum::close_account(scene, energies, &mut step);
     }
     step
 }

@@ -23,13 +23,12 @@
 //! wrench.
 
 use crate::energy::{Dissipation, Energy};
-use crate::force::{Force, Wrench};
-use crate::ground::SpringDamperGround;
+use crate::force::Wrench;
 use crate::integrator::linear::{Factored, SixBySix};
 use crate::integrator::matrix3::Matrix3;
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
-use crate::scene::{Dynamics, size};
+use crate::scene::{Dynamics, is_driven, size};
 use crate::state::State;
 
 /// Rate of the slowest motion that is followed, in units of `√(g/size)`, squared.
@@ -58,9 +57,7 @@ impl<R: Real> Descent<R> {
     #[inline(never)]
     pub(super) fn of<D: Dynamics<R>>(scene: &D, state: &State<R>, rounding: R) -> Option<Self> {
         let (size, pull) = (size(scene), scene.gravity().length());
-        let is_left_alone = !scene.force().acts() || scene.force().is_passive();
-        let is_at_rest = scene.ground().motion().is_none() && is_left_alone;
-        if !is_at_rest || size == R::ZERO || pull == R::ZERO {
+        if is_driven(scene) || size == R::ZERO || pull == R::ZERO {
             return None;
         }
         let slow = SlowMotion::of(scene, state, pull / size * R::from_f64(SLOW));

@@ -260,8 +260,11 @@ fn a_body_that_its_step_has_not_lowered_falls_by_two_units_in_the_last_place() {
     assert_eq!(energy, Energy::of(&scene, &lower));
     assert!(energy.gravity < Energy::of(&scene, &end).gravity);
 
-    let sunk = State::at(end.position - DVec3::Z);
-    assert!(fallen(&scene, [&start, &sunk], 0).is_none());
+    let moved = |last_places: f64| State::at(end.position - DVec3::Z * (last_places * 3e-15));
+    // The energy shows a fall by more, and a body that rises needs no help to move.
+    assert!(fallen(&scene, [&start, &moved(1.0)], 0).is_some());
+    assert!(fallen(&scene, [&start, &moved(5.0)], 0).is_none());
+    assert!(fallen(&scene, [&start, &moved(-1.0)], 0).is_none());
     let weightless = coin_on(FlatGround::level(STIFFNESS, 0.5), NoGravity);
     assert!(fallen(&weightless, [&start, &end], 0).is_none());
 }

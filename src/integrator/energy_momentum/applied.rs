@@ -28,7 +28,7 @@ use crate::integrator::energy_limit;
 use crate::integrator::interface::Step;
 use crate::integrator::linear::SixBySix;
 use crate::real::{Real, Vector};
-use crate::scene::Dynamics;
+use crate::scene::{Dynamics, is_driven};
 use crate::state::{Motion, State};
 
 /// `1 - 1/√2`
@@ -188,10 +188,15 @@ fn hold<R: Real, D: Dynamics<R>>(
     }
 }
 
-/// Raises the stated work by the rounding of the sums, so that the energy after the step is at most
-/// the energy before it plus the work, as computed.
-pub(in crate::integrator) fn close_account<R: Real>(before: R, after: R, step: &mut Step<R>) {
-    if step.drive_work == R::ZERO {
+/// Raises the stated work of a drive by the rounding of the sums, so that the energy after the step
+/// is at most the energy before it plus the work, as computed.
+#[inline]
+pub(in crate::integrator) fn close_account<R: Real, D: Dynamics<R>>(
+    scene: &D,
+    [before, after]: [R; 2],
+    step: &mut Step<R>,
+) {
+    if !is_driven(scene) {
         return;
     }
     let mut excess = after - (before + step.drive_work);
@@ -448,7 +453,7 @@ fn numbers<R: Real>(wrench: &Wrench<R>) -> [R; 6] {
 mod tests {
     use super::*;
     use crate::{AirDrag, EnergyMomentum, Frictionless, Integrator, NoGravity, NoGround};
-    use crate::{PointCloud, Scene, Sphere};
+    use crate::{PointCloud, Scene, Sphere, Wind};
     use glam::DVec3;
 
     const DRAG: AirDrag = AirDrag {
@@ -474,6 +479,33 @@ mod tests {
         });
         let expected = 7.0 + 0.9 / (0.4_f64.sqrt() * radius);
         assert!((size / expected - 1.0).abs() < 1e-14, "{size}");
+    }
+
+    /// The works of the two halves of a step may cancel, with the rounding of the energies between
+    /// them left.
+    #[test]
+    fn works_that_cancel_leave_no_gain_of_energy() {
+        let body = Sphere::solid(0.3, 0.02);
+        let still = Scene::new(body, NoGround, Frictionless, NoGravity).unwrap();
+        let wind = Wind {
+            velocity: DVec3::X,
+            force: DRAG,
+        };
+        let energies = [0.1, 0.1 * (1.0 + f64::EPSILON)];
+        let work_of = |close: &dyn Fn(&mut Step<f64>)| {
+            let mut step = Step::new(1e-3, 1);
+            close(&mut step);
+            step.drive_work
+        };
+        let windy = still.with_force(wind).unwrap();
+        let work = work_of(&|step| close_account(&windy, energies, step));
+        assert!(work > 0.0 && energies[1] <= energies[0] + work, "{work:e}");
+        let lost = work_of(&|step| close_account(&windy, [energies[1], energies[0]], step));
+        assert!(lost.abs() <= 0.0, "{lost:e}");
+        // Nothing can have done work on a body in still air.
+        let in_air = still.with_force(DRAG).unwrap();
+        let passive = work_of(&|step| close_account(&in_air, energies, step));
+        assert!(passive.abs() <= 0.0, "{passive:e}");
     }
 
     /// With the drag c the speed falls by `e^(-c t/m)`. The method has order 2, so that its

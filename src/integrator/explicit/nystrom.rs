@@ -127,7 +127,7 @@ impl<R: Real> Integrator<R> for Nystrom<R> {
     ) -> Result<Step<R>, StepError> {
         let dt = step_length(self.time_step, limit);
         let start = Start::of(scene.untested(), &Point::of(state), dt, *near);
-        let taken = taken::<_, _, false>(scene, &start);
+        let taken = taken(scene, &start, Purpose::End);
         *near = taken.near;
         *state = taken.end.to_state();
         Ok(Step::new(dt, 4))
@@ -190,35 +190,45 @@ pub(in crate::integrator) struct Taken<R: Real> {
     /// Change of that correction by its last pass.
     pub(in crate::integrator) correction_change: [R::Vec3; 2],
     /// Third difference of acceleration and torque over the stages, without the contacts that the
-    /// correction replaces. Zero if it is not wanted.
+    /// correction replaces. Zero if the step is taken for its end alone.
     pub(in crate::integrator) third_difference: [R::Vec3; 2],
     /// Contact range of the last stage.
     pub(in crate::integrator) near: ContactRange,
 }
 
+/// What a step is taken for.
+#[derive(Clone, Copy, PartialEq)]
+pub(in crate::integrator) enum Purpose {
+    /// Its end alone.
+    End,
+    /// Its end, and what an estimate of its error needs. The errors that are known are left out.
+    Estimate,
+}
+
 /// Takes a step.
 #[inline(always)]
-pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
+pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>>(
     scene: &D,
     start: &Start<R>,
+    purpose: Purpose,
 ) -> Taken<R> {
+    let (bodies, passes) = match purpose {
+        Purpose::End => (Bodies::Amplifying, 1),
+        Purpose::Estimate => (Bodies::All, 2),
+    };
     start.with_stages(scene, |stages| {
         let (point, seconds) = (&start.point, start.seconds);
         let mut end = start.ahead(&END, stages);
-        end.orientation = turned::<_, ESTIMATED>(stages, end.orientation, seconds);
+        end.orientation = turned(stages, end.orientation, seconds, purpose);
         end.orientation = free_error::removed(
             scene,
             (point, &end),
             seconds,
-            if ESTIMATED {
-                Bodies::All
-            } else {
-                Bodies::Amplifying
-            },
-            |free, point, seconds| free_orientation::<_, _, ESTIMATED>(free, point, seconds),
+            bodies,
+            |free, point, seconds| free_orientation(free, point, seconds, purpose),
         );
-        let corrected =
-            crossing::corrected::<_, _, ESTIMATED>(scene, &SeenStages::at(stages), end, seconds);
+        let seen = SeenStages::at(stages);
+        let corrected = crossing::corrected(scene, &seen, end, seconds, passes);
         let [.., fourth] = stages;
         let inverse_mass = scene.inertia_properties().inverse_mass();
         let rates = |load: &Load<R>| [load.force * inverse_mass, load.torque];
@@ -227,10 +237,9 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
             last: [fourth.acceleration, fourth.torque],
             correction: rates(&corrected.correction),
             correction_change: rates(&corrected.change),
-            third_difference: if ESTIMATED {
-                third_difference(scene, stages, &corrected.third_difference)
-            } else {
-                [R::Vec3::ZERO; 2]
+            third_difference: match purpose {
+                Purpose::End => [R::Vec3::ZERO; 2],
+                Purpose::Estimate => third_difference(scene, stages, &corrected.third_difference),
             },
             near: fourth.range,
         }
@@ -238,30 +247,31 @@ pub(in crate::integrator) fn taken<R: Real, D: Dynamics<R>, const ESTIMATED: boo
 }
 
 /// Returns the orientation at the end of a step in a scene without torques.
-fn free_orientation<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
+fn free_orientation<R: Real, D: Dynamics<R>>(
     scene: &D,
     point: &Point<R>,
     seconds: R,
+    purpose: Purpose,
 ) -> Rotation<R> {
     let start = Start::of(scene, point, seconds, ContactRange::NONE);
     start.with_stages(scene, |stages| {
         let end = start.ahead(&END, stages).orientation;
-        turned::<_, ESTIMATED>(stages, end, seconds)
+        turned(stages, end, seconds, purpose)
     })
 }
 
-/// Returns the orientation at the end of a step. With `ESTIMATED`, the phase error of a uniform
-/// rotation is left out, so that the estimate need not contain it.
+/// Returns the orientation at the end of a step. An estimate need not contain the phase error of a
+/// uniform rotation, which is left out for it.
 #[inline(always)]
-fn turned<R: Real, const ESTIMATED: bool>(
+fn turned<R: Real>(
     stages: [&Stage<R>; 4],
     end: Rotation<R>,
     seconds: R,
+    purpose: Purpose,
 ) -> Rotation<R> {
-    if ESTIMATED {
-        uniform::without_phase_error(stages, end, seconds)
-    } else {
-        end
+    match purpose {
+        Purpose::End => end,
+        Purpose::Estimate => uniform::without_phase_error(stages, end, seconds),
     }
 }
 

@@ -97,9 +97,10 @@ fn live<I: Integrator>(
     ));
     assert!(touched > 0, "the body has touched the ground");
     let mut session = stepper.session(state);
-    session
+    let end = session
         .run_with_events(0.05, [&Landing, &Apex], |_| ControlFlow::Continue(()))
         .expect("the steps are good");
+    assert!(end.occurrence().is_none(), "no event ends such a run");
 }
 
 fn live_with_every_integrator(

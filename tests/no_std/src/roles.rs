@@ -437,12 +437,11 @@ fn attended<R: Real>(
     let sampled = user.rising().sampled_every(slip_speed).ok()?;
     let ends = SlipEnds::below(slip_speed).ok()?;
     let events: [&dyn Event<R>; 4] = [&ContactCloses, &ContactOpens, &ends, &sampled];
-    session
-        .run_with_events(seconds, events, |occurrence| {
-            time += occurrence.time;
-            ControlFlow::Continue(())
-        })
-        .ok()?;
+    let end = session.run_with_events(seconds, events, |occurrence| {
+        time += occurrence.time;
+        ControlFlow::Continue(())
+    });
+    end.ok()?.occurrence().is_none().then_some(())?;
     let normal = parameters.plane.normal;
     session.apply_impulse(normal, normal).ok()?;
     session.step_within(seconds).ok()?;

@@ -4,7 +4,7 @@ use super::damping::{Damping, HORIZON};
 use super::dip;
 use crate::integrator::adaptive::embedded_pair::Settings;
 use crate::integrator::adaptive::embedded_pair::control::{self, Errors};
-use crate::integrator::explicit::{Stage, Start, Taken, taken};
+use crate::integrator::explicit::{Purpose, Stage, Start, Taken, taken};
 use crate::integrator::free_error;
 use crate::integrator::point::Point;
 use crate::real::{Real, Vector};
@@ -62,7 +62,7 @@ impl<R: Real> Attempt<R> {
         let taken = if limited.limit().applies() {
             taken_with_limit(limited, start)
         } else {
-            taken::<_, _, true>(scene, start)
+            taken(scene, start, Purpose::Estimate)
         };
         let state = taken.end.to_state();
         // The next step begins at the rounded state.
@@ -103,7 +103,7 @@ fn taken_with_limit<R: Real, D: Dynamics<R>>(
     limited: &LimitedScene<'_, R, D>,
     start: &Start<R>,
 ) -> Taken<R> {
-    taken::<_, _, true>(limited, start)
+    taken(limited, start, Purpose::Estimate)
 }
 
 /// Returns the largest allowed error of a step, m.

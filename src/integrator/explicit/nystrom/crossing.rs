@@ -19,21 +19,21 @@ pub(super) struct Corrected<R: Real> {
     pub(super) correction: Load<R>,
     /// Change of the correction by its last pass.
     pub(super) change: Load<R>,
-    /// What the corrected contacts contribute to the [`THIRD_DIFFERENCE`] of the loads, with
-    /// `ESTIMATED`.
+    /// What the corrected contacts contribute to the [`THIRD_DIFFERENCE`] of the loads.
     pub(super) third_difference: Load<R>,
 }
 
 /// Returns the `end` of a step, corrected for the error of its stages.
 ///
-/// With `ESTIMATED` there is a second pass, whose paths lead to the end that the first has
-/// corrected. Its change tells how inexact the correction is.
+/// The paths of a second pass lead to the end that the first has corrected. Its change tells how
+/// inexact the correction is.
 #[inline(always)]
-pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
+pub(super) fn corrected<R: Real, D: Dynamics<R>>(
     scene: &D,
     stages: &SeenStages<'_, R>,
     end: Point<R>,
     seconds: R,
+    passes: u32,
 ) -> Corrected<R> {
     let mut corrected = Corrected {
         end,
@@ -49,10 +49,9 @@ pub(super) fn corrected<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     if !(R::ONE / seconds).is_finite() {
         return corrected;
     }
-    let passes = if ESTIMATED { 2 } else { 1 };
     for pass in 0..passes {
         let motion = corrected.end.motion(scene);
-        let missed = missed::<_, _, ESTIMATED>(scene, stages, &motion, seconds);
+        let missed = missed(scene, stages, &motion, seconds);
         if pass == 0 && missed.speeds.touching == 0 {
             break;
         }
@@ -96,12 +95,12 @@ struct Missed<R: Real> {
     speeds: Load<R>,
     /// Error of `∫ (1 - s) f ds`, which corrects position and orientation.
     places: Load<R>,
-    /// Third difference of the forces that the stages have used, if it is wanted.
+    /// Third difference of the forces that the stages have used.
     third_difference: Load<R>,
 }
 
 #[inline(always)]
-fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
+fn missed<R: Real, D: Dynamics<R>>(
     scene: &D,
     stages: &SeenStages<'_, R>,
     end: &Motion<R>,
@@ -114,14 +113,14 @@ fn missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     };
     for surface in 0..scene.contact_model().surfaces() {
         let scene = OnSurface::of(scene, surface);
-        add_missed::<_, _, ESTIMATED>(&scene, stages, end, seconds, &mut missed);
+        add_missed(&scene, stages, end, seconds, &mut missed);
     }
     missed
 }
 
 /// Adds the errors of the contacts with one surface.
 #[inline(always)]
-fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
+fn add_missed<R: Real, D: Dynamics<R>>(
     scene: &D,
     stages: &SeenStages<'_, R>,
     end: &Motion<R>,
@@ -144,7 +143,7 @@ fn add_missed<R: Real, D: Dynamics<R>, const ESTIMATED: bool>(
     for range in [first, head, tail] {
         for part in range.parts(contacts) {
             for point in part {
-                step.add_contact::<ESTIMATED>(point, missed);
+                step.add_contact(point, missed);
             }
         }
     }
@@ -162,17 +161,17 @@ struct SeenStep<'a, R: Real, D> {
 
 impl<R: Real, D: Dynamics<R>> SeenStep<'_, R, D> {
     #[inline(always)]
-    fn add_contact<const ESTIMATED: bool>(&self, point: &ContactPoint<R>, missed: &mut Missed<R>) {
+    fn add_contact(&self, point: &ContactPoint<R>, missed: &mut Missed<R>) {
         let [start, end] = &self.ends;
         let (start, end) = (start.side(point), end.side(point));
         if start.pushes() != end.pushes() {
-            self.add_correction::<ESTIMATED>(point, [start, end], missed);
+            self.add_correction(point, [start, end], missed);
         }
     }
 
     /// Adds the correction for one contact that begins or ceases to push.
     #[inline(never)]
-    fn add_correction<const ESTIMATED: bool>(
+    fn add_correction(
         &self,
         point: &ContactPoint<R>,
         [start, end]: [ContactEnd<R>; 2],
@@ -209,9 +208,7 @@ impl<R: Real, D: Dynamics<R>> SeenStep<'_, R, D> {
             self.direction(point, last.motion, load),
         ];
         missed.add(pushes, [speeds, places]);
-        if ESTIMATED {
-            missed.add_third_difference(pushes, taken);
-        }
+        missed.add_third_difference(pushes, taken);
     }
 
     /// Returns force and torque on the body per newton of the contact's normal force, world axes.

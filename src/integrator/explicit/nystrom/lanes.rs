@@ -226,7 +226,7 @@ fn correct_lane<R: Real, D: Dynamics<R>>(
         ranges: [poses[0].ranges[i], poses[2].ranges[i]],
     };
     let end = lanes.states.get(i);
-    let end = crossing::corrected::<_, _, false>(scene, &stages, end, seconds).end;
+    let end = crossing::corrected(scene, &stages, end, seconds, 1).end;
     lanes.states.set(i, &end);
 }
 
