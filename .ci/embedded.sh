@@ -101,6 +101,14 @@ write() { # write NAME START_OF_LINES FILE
   sed -i -e "/<!-- $1: begin/,/<!-- $1: end/{/^$2/d}" -e "/<!-- $1: begin/{n;r $3
 }" "$page"
 }
+# The folder of a build decides the order of its functions, and so the padding between them: some bytes of code. All other numbers are the same everywhere.
+same_table() { # same_table STORED NOW
+  awk -F'|' -v padding=32 '
+    function others() { return $2 $3 $5 $6 $7 $8 $9 }
+    NR == FNR { code[FNR] = $4; stored[FNR] = others(); next }
+    { more = $4 - code[FNR]; if (more > padding || -more > padding || others() != stored[FNR]) differs = 1 }
+    END { exit differs || NR != 2 * FNR }' "$1" "$2"
+}
 compiler="Compiler: $("$RUSTC" --version)."
 if [ "${1:-}" = --write ]; then
   write cost '|' "$table"
@@ -108,7 +116,8 @@ if [ "${1:-}" = --write ]; then
   write compiler Compiler "$work/compiler"
 elif ! between_marks compiler Compiler | grep -qxF "$compiler"; then
   echo "NOT CHECKED: firmware: the table of $page is of another compiler than this one, $compiler"
-elif ! between_marks cost '|' | diff - "$table"; then
+elif ! same_table <(between_marks cost '|') "$table"; then
+  diff <(between_marks cost '|') "$table" || true
   fail "firmware: $page has another table (< stored, > now); .ci/embedded.sh --write stores this one"
 fi
 
