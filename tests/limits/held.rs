@@ -107,8 +107,8 @@ proptest! {
 
     /// Gravity presses a ring into inclined ground without springs and friction. The dampers stop
     /// that within 1e-7 of a step, which hides the inertia along the ground in the rounding of
-    /// their force. One ring in 5,000,000 random steps had stayed where it was. Up to
-    /// half of the velocity may be rounding.
+    /// their force. One ring in 5,000,000 random steps had stayed where it was. Up to half of the
+    /// velocity may be rounding.
     #[test]
     fn dampers_beyond_the_precision_do_not_keep_a_ring_from_sliding(
         normal in directions(),
