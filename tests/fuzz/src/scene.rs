@@ -76,10 +76,14 @@ pub fn steps<R: Real>(
         *state = *session.state();
         let (work, elapsed) = match step {
             Err(error) => {
-                // The clock of a session cannot hold a step that is far shorter than the time.
+                // The clock of a session cannot hold a step that is far shorter than the time. The
+                // method has a memory there, and may choose a shorter step than alone.
                 let mut alone = start;
-                let alone = stepper.step(&mut alone);
-                let shortest = alone.map_or(limit, |step| step.elapsed.at_most(limit));
+                let shortest = match stepper.step(&mut alone) {
+                    Ok(step) => step.elapsed.at_most(limit),
+                    Err(StepError::StepTooShort { .. } | StepError::BudgetSpent { .. }) => R::ZERO,
+                    Err(_) => limit,
+                };
                 fails_well([&start, state], [session.time(), limit, shortest], &error);
                 return;
             }
