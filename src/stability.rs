@@ -89,9 +89,11 @@ enum Friction {
 /// Smallest limit along the outline, s. `R::MAX` for an empty outline.
 ///
 /// A softer motion may have a smaller limit than the stiffest, because the stability region of a
-/// method need not be convex. So the smallest of some limits is improved between its neighbours.
+/// method need not be convex. So the smallest of some limits is improved between its neighbours,
+/// also across a corner.
 fn least_along<R: Real>(outline: &[[R; 2]], limit: &impl Fn(R, R) -> Option<R>) -> Option<R> {
-    let limit_at = |[stiffness, damping]: [R; 2]| {
+    let limit_at = |place: R| {
+        let [stiffness, damping] = along(outline, place);
         let is_empty = stiffness <= R::ZERO && damping <= R::ZERO;
         if is_empty {
             Some(R::MAX)
@@ -99,34 +101,40 @@ fn least_along<R: Real>(outline: &[[R; 2]], limit: &impl Fn(R, R) -> Option<R>) 
             limit(stiffness, damping)
         }
     };
-    let (mut least, mut around) = (R::MAX, None);
-    for (&start, &end) in outline.iter().zip(outline.iter().skip(1)) {
-        let part = R::ONE / R::from_usize(PARTS);
-        for number in 0..=PARTS {
-            let place = R::from_usize(number) * part;
-            let value = limit_at(between(start, end, place))?;
-            if value < least {
-                let ends = [
-                    (place - part).at_least(R::ZERO),
-                    (place + part).at_most(R::ONE),
-                ];
-                (least, around) = (value, Some(ends.map(|place| between(start, end, place))));
-            }
+    let edges = outline.len().saturating_sub(1);
+    let part = R::ONE / R::from_usize(PARTS);
+    let (mut least, mut at) = (R::MAX, R::ZERO);
+    for number in 0..=edges * PARTS {
+        let place = R::from_usize(number) * part;
+        let value = limit_at(place)?;
+        if value < least {
+            (least, at) = (value, place);
         }
     }
-    let Some([start, end]) = around else {
-        return Some(least);
-    };
-    let found = smallest(|share| limit_at(between(start, end, share)))?;
+    let start = (at - part).at_least(R::ZERO);
+    let length = (at + part).at_most(R::from_usize(edges)) - start;
+    let found = smallest(|share| limit_at(start + length * share))?;
     Some(found.at_most(least))
 }
 
 /// Number of parts into which an edge of the outline is divided.
 const PARTS: usize = 8;
-/// Steps of the search between two parts, each of which reduces its range by the golden ratio.
+/// Steps of the search in two parts, each of which reduces its range by the golden ratio.
 const SECTIONS: usize = 16;
 /// `(√5 - 1)/2`
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_8;
+
+/// Point at a place along the outline, in edges from its beginning.
+fn along<R: Real>(outline: &[[R; 2]], place: R) -> [R; 2] {
+    let mut rest = place;
+    for (&start, &end) in outline.iter().zip(outline.iter().skip(1)) {
+        if rest <= R::ONE {
+            return between(start, end, rest);
+        }
+        rest -= R::ONE;
+    }
+    [R::ZERO; 2]
+}
 
 /// Point at a fraction of the way between two points.
 fn between<R: Real>(start: [R; 2], end: [R; 2], fraction: R) -> [R; 2] {
@@ -688,6 +696,22 @@ impl<R: Real> Matrix<R> {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+
+    /// From either direction, the smallest sample is the corner, and the smallest value lies a
+    /// twentieth of an edge beyond it.
+    #[test]
+    fn the_smallest_limit_is_found_across_a_corner() {
+        let limit = |stiffness: f64, damping: f64| {
+            let dip = 1.0 + (damping - 0.95).powi(2) + (1.0 - stiffness);
+            Some(dip)
+        };
+        let mut outline = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
+        for _ in 0..2 {
+            let least = least_along(&outline, &limit).unwrap();
+            assert_relative_eq!(least, 1.0, epsilon = 1e-6);
+            outline.reverse();
+        }
+    }
 
     #[test]
     fn the_spectral_radius_is_that_of_symmetric_skew_and_defective_matrices() {

@@ -38,26 +38,34 @@ fn block(half: DVec3) -> Ground<SpringDamper, Block> {
     Ground { law: SPRING, shape }
 }
 
-/// Calls a check with each shape of ground, its name, and how deep a rim may be in it, m.
+/// Bounds of the relative errors: of nine poses in ten, and of all.
+type Bounds = [f64; 2];
+/// An edge is missed between two neighbouring points that lie nearest the same face.
+const ON_BOXES: Bounds = [SMALL, 0.05];
+/// Hills as long as the rim's diameter.
+const ON_HILLS: Bounds = [SMALL, 1e-3];
+
+/// Calls a check with each shape of ground, its name, how deep a rim may be in it (m), and the
+/// bounds of the errors.
 macro_rules! on_shapes {
     ($check:path) => {
-        $check("block", &block(DVec3::new(0.3, 0.5, 0.3)), 0.05);
-        $check("slab", &block(DVec3::new(0.2, 0.5, 0.05)), 0.03);
-        $check("post", &block(DVec3::new(0.03, 0.03, 0.2)), 0.02);
+        $check("block", &block(DVec3::new(0.3, 0.5, 0.3)), 0.05, ON_BOXES);
+        $check("slab", &block(DVec3::new(0.2, 0.5, 0.05)), 0.03, ON_BOXES);
+        $check("post", &block(DVec3::new(0.03, 0.03, 0.2)), 0.02, ON_BOXES);
         let bowl = Bowl {
             curvatures: [1.0, 0.7],
         };
-        $check("bowl", &terrain(bowl), 0.05);
+        $check("bowl", &terrain(bowl), 0.05, [SMALL; 2]);
         let ramp = Ramp {
             slope: 0.5,
             width: 0.2,
         };
-        $check("ramp", &terrain(ramp), 0.05);
+        $check("ramp", &terrain(ramp), 0.05, [SMALL; 2]);
         let waves = Waves {
             amplitude: 0.05,
             length: 0.8,
         };
-        $check("waves", &terrain(waves), 0.05);
+        $check("waves", &terrain(waves), 0.05, ON_HILLS);
     };
 }
 
@@ -91,8 +99,13 @@ fn poses(ground: &impl SpringDamperGround, depth: f64, count: usize) -> Vec<Stat
 
 /// Gap below the point of the rim at an angle, m.
 fn gap_at(ground: &impl SpringDamperGround, state: &State, angle: f64) -> f64 {
+    surface_at(ground, state, angle).gap
+}
+
+/// Ground below the point of the rim at an angle.
+fn surface_at(ground: &impl SpringDamperGround, state: &State, angle: f64) -> Surface {
     let arm = DVec3::new(0.0, angle.cos(), angle.sin()) * RADIUS;
-    ground.surface(state.position + state.orientation * arm).gap
+    ground.surface(state.position + state.orientation * arm)
 }
 
 /// Energy of the springs under a rim by the midpoint rule with many points, J.
@@ -111,13 +124,40 @@ fn the_energy_is_the_sum_over_many_points() {
     on_shapes!(compare_energy);
 }
 
-fn compare_energy(name: &str, ground: &impl SpringDamperGround, depth: f64) {
+fn compare_energy(name: &str, ground: &impl SpringDamperGround, depth: f64, bounds: Bounds) {
     let stepper = rim_on(ground);
-    for state in poses(ground, depth, POSES) {
+    let error_in = |state: State| {
         let energy = stepper.energy(&state).springs;
         let sum = summed_energy(ground, &state);
         let error = (energy - sum).abs() / sum;
-        assert!(error < SMALL, "{name}: {energy} J, {sum} J at {state:?}");
+        (error, format!("{name}: {energy} J, {sum} J at {state:?}"))
+    };
+    let poses = poses(ground, depth, POSES);
+    are_small(poses.into_iter().map(error_in).collect(), bounds);
+}
+
+/// Checks errors, each with a description of its pose.
+fn are_small(mut errors: Vec<(f64, String)>, bounds: Bounds) {
+    errors.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let usual = &errors[errors.len() * 9 / 10 - 1];
+    for ((error, pose), bound) in [usual, &errors[errors.len() - 1]].into_iter().zip(bounds) {
+        assert!(*error < bound, "{error:e} instead of {bound}: {pose}");
+    }
+}
+
+/// Lengths of hills in radii of the rim, and the relative error on them in any pose.
+const HILLS: [[f64; 2]; 3] = [[4.0, 1e-4], [2.0, 1e-3], [1.0, 2e-2]];
+
+/// The error grows where hills are short against the rim, as [`Disc`] states.
+#[test]
+fn the_error_on_hills_grows_as_they_become_shorter() {
+    for [radii, small] in HILLS {
+        for slope in [0.1, 0.7] {
+            let length = radii * RADIUS;
+            let amplitude = slope * length / TAU;
+            let hills = terrain(Waves { amplitude, length });
+            compare_energy("hills", &hills, 0.05, [small; 2]);
+        }
     }
 }
 
@@ -127,11 +167,11 @@ fn the_force_is_the_gradient_of_the_energy_on_any_shape() {
     on_shapes!(compare_force);
 }
 
-fn compare_force(name: &str, ground: &impl SpringDamperGround, depth: f64) {
+fn compare_force(name: &str, ground: &impl SpringDamperGround, depth: f64, bounds: Bounds) {
     let step = 1e-6;
     let stepper = rim_on(ground);
     let scene = stepper.scene();
-    for state in poses(ground, depth, POSES) {
+    let error_in = |state: State| {
         let energy_at = |shift: DVec3| {
             let mut moved = state;
             moved.position += shift;
@@ -141,11 +181,13 @@ fn compare_force(name: &str, ground: &impl SpringDamperGround, depth: f64) {
         let gradient = DVec3::from_array(DVec3::AXES.map(along)) / (2.0 * step);
         let force = scene.load(&scene.motion(&state)).force;
         let error = (force - gradient).length() / force.length();
-        assert!(
-            error < SMALL,
-            "{name}: {force} N, {gradient} N at {state:?}"
-        );
-    }
+        (
+            error,
+            format!("{name}: {force} N, {gradient} N at {state:?}"),
+        )
+    };
+    let poses = poses(ground, depth, POSES);
+    are_small(poses.into_iter().map(error_in).collect(), bounds);
 }
 
 /// Valley along x with a small hole under one point of a horizontal rim.

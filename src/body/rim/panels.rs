@@ -23,8 +23,8 @@ impl<R: Real> Panel<R> {
     }
 }
 
-/// Most cuts, and most panels: the ends of six arcs at two times, the cuts into quarters, and
-/// twelve further cuts. Further cuts beyond those are left out.
+/// Most cuts, and most panels: at two times the ends of twelve pieces that form four arcs, the cuts
+/// into quarters, and four further cuts. Further cuts beyond those are left out.
 const MOST: usize = 40;
 /// Most further cuts.
 pub(crate) const CUTS: usize = 4;
@@ -102,8 +102,8 @@ impl<R: Real> Panels<R> {
         for cut in quarters {
             cuts.add(frame, turned(frame, cut));
         }
-        for end in arcs().filter_map(Arc::ends).flatten() {
-            cuts.add(frame, end);
+        for pieces in times {
+            cuts.add_ends(frame, pieces);
         }
         for place in places {
             cuts.add(frame, place);
@@ -163,6 +163,11 @@ fn between<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> Option<(Direc
     Some(([x / cos, y / cos], half_of(sin * R::HALF, cos * R::HALF)))
 }
 
+/// Returns true if two directions are equal to rounding.
+fn meet<R: Real>([a, b]: Direction<R>, [c, d]: Direction<R>) -> bool {
+    (c - a).abs() + (d - b).abs() <= R::EPSILON * R::from_f64(16.0)
+}
+
 /// Sine of half an angle: `sin(h/2) = sin h/√(2 (1 + cos h))`.
 #[inline]
 pub(super) fn half_of<R: Real>(sin: R, cos: R) -> R {
@@ -206,6 +211,18 @@ impl<R: Real> Cuts<R> {
             sink_last(self.cuts.get_mut(..self.count).unwrap_or_default(), |cut| {
                 cut.order
             });
+        }
+    }
+
+    /// Adds the ends of pieces, and only one where a piece begins at the end of another one.
+    fn add_ends(&mut self, frame: Direction<R>, pieces: &[Arc<R>]) {
+        let mut last = None;
+        for [from, to] in pieces.iter().filter_map(Arc::ends) {
+            if !last.is_some_and(|end| meet(end, from)) {
+                self.add(frame, from);
+            }
+            self.add(frame, to);
+            last = Some(to);
         }
     }
 
