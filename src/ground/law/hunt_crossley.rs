@@ -226,17 +226,19 @@ impl<R: Real> HuntCrossley<R> {
             let slope = (self.spring_force(to) - mean) / path;
             return [mean, slope.at_least(R::ZERO)];
         }
-        // Gauss's rule with three points.
+        // Gauss's rule with three points, and its derivative.
         let middle = sum * R::HALF;
-        let force = self.spring_force(middle);
-        let aside = path * R::from_f64(0.5 * OUTER_OF_3);
-        let outer = self.spring_force(middle + aside) + self.spring_force(middle - aside);
-        let mean = outer * R::from_f64(5.0 / 18.0) + force * R::from_f64(4.0 / 9.0);
-        let slope = if middle > R::ZERO {
-            self.exponent * (force / middle) * R::HALF
-        } else {
-            R::ZERO
-        };
+        if middle <= R::ZERO {
+            return [R::ZERO; 2];
+        }
+        let outer = R::from_f64(0.5 * OUTER_OF_3);
+        let depths = [middle, middle - path * outer, middle + path * outer];
+        let [force, low, high] = depths.map(|depth| self.spring_force(depth));
+        let [inner, lower, upper] = [force / depths[0], low / depths[1], high / depths[2]];
+        let (of_middle, of_others) = (R::from_f64(4.0 / 9.0), R::from_f64(5.0 / 18.0));
+        let mean = (low + high) * of_others + force * of_middle;
+        let others = lower * (R::HALF - outer) + upper * (R::HALF + outer);
+        let slope = self.exponent * (others * of_others + inner * R::HALF * of_middle);
         [mean, slope]
     }
 }

@@ -229,7 +229,8 @@ impl<R: Real> Foot<R> {
                 break;
             }
             let next = Self::at(height_field, point, foot.x + step[0], foot.y + step[1]);
-            let slack = foot.square * (R::EPSILON * R::from_f64(ROUNDING)) + rounding * rounding;
+            // The difference of coordinates has their rounding, also where it is small.
+            let slack = rounding * (foot.square.sqrt() + rounding);
             if next.square <= foot.square + slack {
                 foot = next;
                 step = foot.step(point);
