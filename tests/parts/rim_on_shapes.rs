@@ -99,13 +99,8 @@ fn poses(ground: &impl SpringDamperGround, depth: f64, count: usize) -> Vec<Stat
 
 /// Gap below the point of the rim at an angle, m.
 fn gap_at(ground: &impl SpringDamperGround, state: &State, angle: f64) -> f64 {
-    surface_at(ground, state, angle).gap
-}
-
-/// Ground below the point of the rim at an angle.
-fn surface_at(ground: &impl SpringDamperGround, state: &State, angle: f64) -> Surface {
     let arm = DVec3::new(0.0, angle.cos(), angle.sin()) * RADIUS;
-    ground.surface(state.position + state.orientation * arm)
+    ground.surface(state.position + state.orientation * arm).gap
 }
 
 /// Energy of the springs under a rim by the midpoint rule with many points, J.
@@ -188,6 +183,37 @@ fn compare_force(name: &str, ground: &impl SpringDamperGround, depth: f64, bound
     };
     let poses = poses(ground, depth, POSES);
     are_small(poses.into_iter().map(error_in).collect(), bounds);
+}
+
+/// The limit that [`Disc`] states: under an upright rim that is nearer to the edge of a box than it
+/// is deep, both ends of a short arc are nearest the top, and the piece between them the side.
+#[test]
+fn an_edge_under_a_short_arc_may_be_missed() {
+    let half = DVec3::new(0.3, 0.5, 0.3);
+    let (ground, depth) = (block(half), 1e-3);
+    let stepper = rim_on(&ground);
+    let error_at = |turn: f64| {
+        let place = DVec3::new(0.4 - 0.9 * depth, 0.05, half.z + RADIUS - depth);
+        let state = State::at(place).with_rotation_vector(DVec3::X * turn);
+        let force = stepper.scene().load(&stepper.scene().motion(&state)).force;
+        let sum = summed_force(&ground, &state);
+        (force - sum).length() / sum.length()
+    };
+    let worst = (0..40_u8).map(|turn| error_at(f64::from(turn) * 0.04));
+    let worst = worst.fold(0.0, f64::max);
+    assert!((0.1..0.5).contains(&worst), "{worst}");
+}
+
+/// Force of the springs on a rim by the midpoint rule with many points, N.
+fn summed_force(ground: &impl SpringDamperGround, state: &State) -> DVec3 {
+    let count = 100_000_u32;
+    let force_at = |number: u32| {
+        let angle = TAU * (f64::from(number) + 0.5) / f64::from(count);
+        let arm = DVec3::new(0.0, angle.cos(), angle.sin()) * RADIUS;
+        let surface = ground.surface(state.position + state.orientation * arm);
+        surface.normal * ground.normal_force((-surface.gap).max(0.0), 0.0)
+    };
+    (0..count).map(force_at).sum::<DVec3>() * f64::from(POINTS) / f64::from(count)
 }
 
 /// Valley along x with a small hole under one point of a horizontal rim.

@@ -12,11 +12,11 @@
 //! - a large turn of the normal is an edge of the ground. The interval is halved down to 0.06°.
 //!
 //! *Limits:* a rim that touches along more than twelve arcs is integrated as a whole, since a point
-//! above the ground has no force. Pieces between edges of the ground count as arcs, and edges beyond
-//! the twelfth piece are not taken into account. A box divides a rim into twelve at most, three
-//! along each of four arcs, but for the rare section that is a hexagon. An arc is missed if the gap
-//! has two minima between two neighbouring points, that is on smooth hills shorter than an eighth of
-//! the rim's radius. Edges are missed between two equal normals at neighbouring points.
+//! above the ground has no force. Pieces between edges of the ground count as arcs, and edges
+//! beyond the twelfth piece are not taken into account. A box divides a rim into twelve at most,
+//! three along each of four arcs, but for the rare section that is a hexagon. An arc is missed if
+//! the gap has two minima between two neighbouring points, that is on smooth hills shorter than an
+//! eighth of the rim's radius. Edges are missed between two equal normals at neighbouring points.
 
 use crate::body::{Arc, Direction, Rim, turned};
 use crate::ground::{GroundBounds, SpringDamperGround};
