@@ -191,7 +191,7 @@ fn compare_force(name: &str, ground: &impl SpringDamperGround, depth: f64, bound
 fn an_edge_under_a_short_arc_may_be_missed() {
     let half = DVec3::new(0.3, 0.5, 0.3);
     let (ground, depth) = (block(half), 1e-3);
-    let stepper = rim_on(&ground);
+    let stepper = rim_on(ground);
     let error_at = |turn: f64| {
         let place = DVec3::new(0.4 - 0.9 * depth, 0.05, half.z + RADIUS - depth);
         let state = State::at(place).with_rotation_vector(DVec3::X * turn);
