@@ -74,10 +74,10 @@ pub trait Event<R: Real = f64> {
         1
     }
 
-    /// Returns true if the value counts something, and each change of the count is the event.
-    /// Default: false.
+    /// Returns true if the value is a whole number, such as a number of contacts. Each change of it
+    /// is then the event, in place of each change of sign. Default: false.
     #[inline]
-    fn is_a_number(&self) -> bool {
+    fn is_integer_valued(&self) -> bool {
         false
     }
 
@@ -192,8 +192,8 @@ impl<R: Real, E: Event<R>> Event<R> for EventWith<E, R> {
     fn count(&self) -> u64 {
         self.count
     }
-    fn is_a_number(&self) -> bool {
-        self.event.is_a_number()
+    fn is_integer_valued(&self) -> bool {
+        self.event.is_integer_valued()
     }
     fn interval(&self) -> Option<R> {
         self.interval

@@ -82,7 +82,7 @@ impl<R: Real> Event<R> for ContactCloses {
     fn direction(&self) -> EventDirection {
         EventDirection::Rising
     }
-    fn is_a_number(&self) -> bool {
+    fn is_integer_valued(&self) -> bool {
         true
     }
 }
@@ -102,7 +102,7 @@ impl<R: Real> Event<R> for ContactOpens {
     fn direction(&self) -> EventDirection {
         EventDirection::Falling
     }
-    fn is_a_number(&self) -> bool {
+    fn is_integer_valued(&self) -> bool {
         true
     }
 }

@@ -155,9 +155,9 @@ impl<R: Real> Track<R> {
         }
     }
 
-    fn adopt(&mut self, reading: Reading<R>, is_a_number: bool) {
+    fn adopt(&mut self, reading: Reading<R>, is_integer_valued: bool) {
         self.last = reading;
-        if is_a_number {
+        if is_integer_valued {
             self.reference = reading.value;
         } else if reading.value > R::ZERO {
             self.side = R::ONE;
@@ -341,7 +341,7 @@ impl<'e, R: Real, const N: usize> Watch<'e, R, N> {
     fn adopt(&mut self, readings: &[Reading<R>; N]) {
         let watched = self.events.iter().zip(&mut self.tracks).zip(readings);
         for ((event, track), reading) in watched {
-            track.adopt(*reading, event.is_a_number());
+            track.adopt(*reading, event.is_integer_valued());
         }
     }
 
@@ -517,7 +517,7 @@ fn read<R: Real>(
     [before, behind]: &[Instant<R>; 2],
 ) -> Result<Reading<R>, StepError> {
     let value = valid((index, event), &path.sample(instant))?;
-    let increases = if event.is_a_number() {
+    let increases = if event.is_integer_valued() {
         [R::ZERO; 2]
     } else {
         let [before, behind] = [before, behind].map(|near| event.value(&path.sample(near)));

@@ -98,9 +98,9 @@ where
     /// 1e-12 s in the first seconds. In contact, it has the order of the method.
     ///
     /// *Cost:* each step costs one evaluation of the contact forces and three values of each event,
-    /// or one value of an event that [counts](Event::is_a_number). An occurrence costs some ten
-    /// further steps. None of this is included in the counts of steps and evaluations. A run with
-    /// no event (`[]`) costs nothing of it.
+    /// or one value of an event whose value [is a whole number](Event::is_integer_valued). An
+    /// occurrence costs some ten further steps. None of this is included in the counts of steps and
+    /// evaluations. A run with no event (`[]`) costs nothing of it.
     ///
     /// ```
     /// use core::ops::ControlFlow;

@@ -223,14 +223,22 @@ type Drawn = (
     f64,
 );
 
-/// Deviation of a load from the integral of the laws over the rim, relative to the force.
+/// Angles from the vertical: any, or almost a right angle, where a separating point is soon above
+/// the ground.
+fn leans() -> impl Strategy<Value = f64> {
+    let flat = log_uniform(2e-3, 0.5).prop_map(|tilt| FRAC_PI_2 - tilt);
+    prop_oneof![-1.5..1.5_f64, flat]
+}
+
+/// Deviation of a load from the integral of the laws over the rim, relative to the force, and the
+/// force relative to that of the springs alone.
 ///
 /// The cases are a short arc, a long one or a whole rim, on a level or a tilted plane, with and
 /// without dampers. Friction reverses on the arc, next to it or far from it, for slip speeds from
 /// 1e-10 m/s up.
-fn load_errors(states: usize) -> Vec<f64> {
+fn load_errors(states: usize) -> Vec<[f64; 2]> {
     let strategy = (
-        (-1.5..1.5_f64, -0.5..0.5_f64, -1.5..1.5_f64),
+        (leans(), -0.5..0.5_f64, -1.5..1.5_f64),
         prop_oneof![3 => log_uniform(1e-4, 0.1).prop_map(|x| 1.0 - x), 1 => -1.3..0.9_f64],
         (log_uniform(1e-8, 10.0), 0.0..TAU),
         (-3.0..3.0_f64, -3.0..3.0_f64, -3.0..3.0_f64),
@@ -239,7 +247,7 @@ fn load_errors(states: usize) -> Vec<f64> {
         prop_oneof![Just(0.0), Just(0.5)],
         prop_oneof![Just(0.0), -0.3..0.3_f64],
     );
-    let mut runner = TestRunner::deterministic();
+    let mut runner = TestRunner::new(cases(1));
     let draw = |_| strategy.new_tree(&mut runner).unwrap().current();
     let one = |drawn: Drawn| {
         let (pose, share, slip, spin, speed, slip_speed, damping, slope): Drawn = drawn;
@@ -269,7 +277,10 @@ fn load_errors(states: usize) -> Vec<f64> {
         let load = stepper.scene().load(&motion);
         let [force, torque] = integrated(&ground, &friction, &motion, 120.0);
         let apart = (load.force - force).length() + (load.torque - torque).length() / RADIUS;
-        apart / (force.length() + 1e-6)
+        let still = State::at(state.position).with_orientation(state.orientation);
+        let springs = stepper.scene().load(&stepper.scene().motion(&still)).force;
+        let share = force.length() / springs.length();
+        [apart / (force.length() + 1e-6), share]
     };
     let drawn: Vec<_> = (0..states).map(draw).collect();
     drawn.into_iter().map(one).collect()
@@ -277,18 +288,19 @@ fn load_errors(states: usize) -> Vec<f64> {
 
 /// The load is the integral of the laws over the circle. The rules leave 1e-9 of the load on their
 /// piece, 2e-8 where the piece is 1e5 times as long as the reversal; reversals of two scales, or
-/// two that meet, some times as much. The exceptions are states in which dampers hold back the
-/// lowest place and both ends, so that only a part of the arc pushes.
+/// two that meet, some times as much. The rest are reversals on arcs that slip everywhere by less
+/// than the slip speed, and dampers that hold back all but a short part of the arc. They are 0.6 %
+/// of 4,000 states; a share of 4 % fails in 99 of 100 runs.
 #[test]
 fn the_load_is_the_integral_of_the_laws_over_the_rim() {
-    let mut errors = load_errors(400);
+    let loads = load_errors(600);
+    let mut errors: Vec<_> = loads.iter().map(|[error, _]| *error).collect();
     errors.sort_by(f64::total_cmp);
-    println!(
-        "half: {:.0e}, 98 of 100: {:.0e}, all: {:.0e}",
-        errors[200], errors[392], errors[399]
-    );
-    assert!(errors[200] < 1e-9, "{:e}", errors[200]);
-    assert!(errors[392] < 2e-7, "{:e}", errors[392]);
+    let [half, most] = [errors[300], errors[588]];
+    assert!(half < 1e-9 && most < 2e-7, "{half:e} {most:e}");
+    let pushed = loads.iter().filter(|[_, share]| *share > 0.02);
+    let worst = pushed.fold(0.0_f64, |worst, [error, _]| worst.max(*error));
+    assert!(worst < 1e-4, "{worst:e}");
 }
 
 /// Friction reverses at the lowest point of a rim that spins there, also if that point is at rest

@@ -168,14 +168,13 @@ fn discontinuities_by<R: Real>(
     slips: [Complex<R>; 3],
 ) -> Discontinuities<R> {
     let mut discontinuities = Discontinuities::none();
-    let edges = Edges {
+    let openings = Openings {
         laws: &laws,
         chord,
         speeds: [-lowest, -across, down],
     };
-    let leaves = [-R::ONE, R::ONE].map(|end| edges.closing_speed(end) < R::ZERO);
-    if leaves != [false; 2] {
-        edges.let_go(leaves, &mut discontinuities);
+    if openings.may_exist() {
+        openings.find(&mut discontinuities);
     }
     if may_turn(slips, chord) {
         Slips::along(slips, chord).add_reversals(laws.friction, &mut discontinuities);
@@ -401,15 +400,29 @@ impl<R: Real> Complex<R> {
     }
 }
 
-/// Ends of an arc, at which the contact may open.
-struct Edges<'a, R> {
+/// Points of an arc at which the contact opens, because the material separates faster than the
+/// springs expand.
+struct Openings<'a, R> {
     laws: &'a Laws<'a, R>,
     chord: R,
     /// Closing speed of the lowest point, and the coefficients of sine and fall, m/s.
     speeds: [R; 3],
 }
 
-impl<R: Real> Edges<'_, R> {
+impl<R: Real> Openings<'_, R> {
+    /// Returns false if no part of the arc separates, as far as its ends and its middle show.
+    #[inline(always)]
+    fn may_exist(&self) -> bool {
+        [-R::ONE, R::ONE, R::ZERO]
+            .into_iter()
+            .any(|u| self.separates(u))
+    }
+
+    #[inline(always)]
+    fn separates(&self, u: R) -> bool {
+        self.closing_speed(u) < R::ZERO
+    }
+
     /// Closing speed at `sin(θ/2) = κ u`, m/s.
     #[inline(always)]
     fn closing_speed(&self, u: R) -> R {
@@ -430,69 +443,87 @@ impl<R: Real> Edges<'_, R> {
         }
     }
 
-    /// Adds the points at which the contact opens, if an end that leaves separates so fast that the
-    /// normal force reaches 0 before the penetration depth does.
-    ///
-    /// For a law that is linear in penetration depth and speed, the force times `1 + w²` is
-    /// `a + b ω - c ω²` along the arc. Three points determine its roots. The roots are used for
-    /// other laws too, if the force is 0 beyond them.
+    /// Adds the points at which the normal force reaches 0 before the penetration depth does, and
+    /// the part between them that the ground pushes.
     #[inline(always)]
-    fn let_go(&self, leaves: [bool; 2], discontinuities: &mut Discontinuities<R>) {
-        // In terms of ω as in `Slips`, the force times 1 + w² is a polynomial.
+    fn find(&self, discontinuities: &mut Discontinuities<R>) {
         let square = self.chord * self.chord / ((R::ONE - self.chord) * (R::ONE + self.chord));
         let (all, beside) = (R::ONE + square, R::ONE + square * R::from_f64(0.25));
         let half = R::HALF * (all / beside).sqrt();
-        let (a, left, right) = (
-            self.force(R::ZERO),
-            self.force(-half) * beside,
-            self.force(half) * beside,
-        );
-        if left <= R::ZERO || right <= R::ZERO || a <= R::ZERO {
-            self.seek(leaves, discontinuities);
-            return;
-        }
-        let (b, c) = (right - left, R::TWO * (a + a - left - right));
-        let square_root = (b * b + R::from_f64(4.0) * a * c).sqrt();
-        let roots = if c > R::ZERO {
-            let per = R::HALF / c;
-            [(b - square_root) * per, (b + square_root) * per]
+        let forces = [-half, R::ZERO, half].map(|u| self.force(u));
+        if forces.iter().all(|force| *force > R::ZERO) {
+            let [left, middle, right] = forces;
+            for root in roots_through([left * beside, middle, right * beside]) {
+                let u = root * (all / (R::ONE + square * root * root)).sqrt();
+                if is_within(u) && self.separates(u) {
+                    discontinuities.add(Discontinuity::of_opening(u));
+                }
+            }
         } else {
-            // On a piece of a long arc: the nearer of two roots on the same side, if there is one.
-            let near = R::TWO * a;
-            [-near / (b + square_root), near / (square_root - b)]
-        };
-        for (side, root) in roots.into_iter().enumerate() {
-            let u = root * (all / (R::ONE + square * root * root)).sqrt();
-            if leaves[side] && u.abs() < R::from_f64(1.0 - 1e-5) && (u > R::ZERO) == (side == 1) {
-                self.add(discontinuities, side, u);
+            self.seek(half, discontinuities);
+        }
+        self.leave_out_ends(discontinuities);
+    }
+
+    /// Finds the points of opening by bisection between five points of the arc. Part of an arc that
+    /// pushes, or opens, between two of them is not found.
+    fn seek(&self, half: R, discontinuities: &mut Discontinuities<R>) {
+        // At an end of an arc, the penetration depth is 0.
+        let pushes = |u: R| !self.separates(u) || self.force(u) > R::ZERO;
+        let points = [-R::ONE, -half, R::ZERO, half, R::ONE];
+        for (from, to) in points.into_iter().zip(points.into_iter().skip(1)) {
+            let around = match [from, to].map(pushes) {
+                [true, false] => [to, from],
+                [false, true] => [from, to],
+                _ => continue,
+            };
+            let [out, _] = bisect(around, HALVINGS, pushes);
+            if is_within(out) {
+                discontinuities.add(Discontinuity::of_opening(out));
             }
         }
     }
 
-    /// Adds a cut at the point at which one side opens.
+    /// Leaves out what is beyond the first and the last point of opening, if nothing pushes there.
     #[inline(always)]
-    fn add(&self, discontinuities: &mut Discontinuities<R>, side: usize, u: R) {
-        discontinuities.add(Discontinuity { u, width: R::MAX });
-        let end = if side == 0 { -R::ONE } else { R::ONE };
-        if self.force((u + end) * R::HALF) <= R::ZERO {
-            discontinuities.pushed[side] = u;
+    fn leave_out_ends(&self, discontinuities: &mut Discontinuities<R>) {
+        let mut places = discontinuities.iter().map(|place| place.u);
+        let Some(first) = places.next() else {
+            return;
+        };
+        let last = places.last().unwrap_or(first);
+        let pushes_beyond = |u: R, end: R| self.force((u + end) * R::HALF) > R::ZERO;
+        if !pushes_beyond(first, -R::ONE) {
+            discontinuities.pushed[0] = first;
+        }
+        if !pushes_beyond(last, R::ONE) {
+            discontinuities.pushed[1] = last;
         }
     }
+}
 
-    /// Finds the points of opening by bisection, for dampers so strong that they cancel the force
-    /// on half of an arc.
-    fn seek(&self, leaves: [bool; 2], discontinuities: &mut Discontinuities<R>) {
-        for (side, end) in [-R::ONE, R::ONE].into_iter().enumerate() {
-            // Search from the other end, which pushes, or does not separate.
-            if !leaves[side] || leaves[1 - side] && self.force(R::ZERO) <= R::ZERO {
-                continue;
-            }
-            let within = if leaves[1 - side] { R::ZERO } else { -end };
-            let [out, _] = bisect([end, within], HALVINGS, |u| self.force(u) > R::ZERO);
-            if (out - end).abs() > R::from_f64(1e-5) && (out + end).abs() > R::from_f64(1e-5) {
-                self.add(discontinuities, side, out);
-            }
-        }
+/// Returns true if a point of an arc is not next to an end.
+#[inline(always)]
+fn is_within<R: Real>(u: R) -> bool {
+    u.abs() < R::from_f64(1.0 - 1e-5)
+}
+
+/// Real zeros of a polynomial of degree 2, which is above 0 at -1/2, 0 and 1/2, from its values
+/// there. A zero may be infinite or NaN.
+///
+/// For a law that is linear in penetration depth and speed, the force times `1 + w²` is such a
+/// polynomial of ω, as in [`Slips`].
+#[inline(always)]
+fn roots_through<R: Real>([left, middle, right]: [R; 3]) -> [R; 2] {
+    // middle + b ω - c ω²
+    let (b, c) = (right - left, R::TWO * (middle + middle - left - right));
+    let square_root = (b * b + R::from_f64(4.0) * middle * c).sqrt();
+    if c > R::ZERO {
+        let per = R::HALF / c;
+        [(b - square_root) * per, (b + square_root) * per]
+    } else {
+        let near = R::TWO * middle;
+        [-near / (b + square_root), near / (square_root - b)]
     }
 }
 
@@ -569,6 +600,12 @@ impl<R: Real> Discontinuities<R> {
 }
 
 impl<R: Real> Discontinuity<R> {
+    /// Point at which the contact opens.
+    #[inline(always)]
+    fn of_opening(u: R) -> Self {
+        Self { u, width: R::MAX }
+    }
+
     /// End of the arc, where friction does not reverse.
     #[inline(always)]
     pub(super) fn end() -> Self {
