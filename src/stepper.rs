@@ -428,6 +428,13 @@ where
     ///   friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness
     ///   along the normal. With [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long
     ///   because of friction.
+    /// * The bound takes the frequencies of the body on its contacts as real. A body that slides on
+    ///   several contacts may have a pair of complex ones, whose slow motion grows or decays. The
+    ///   bound can then be too long by a factor of two for [`ForwardEuler`](crate::ForwardEuler),
+    ///   and by a third for the other methods but [`Rk4`](crate::Rk4).
+    /// * Under a force that depends on the pose, such as a thrust that turns with the body or a
+    ///   spring with hardly a damper, the bound of `ForwardEuler` and `Nystrom` can be 0, or many
+    ///   times too short, where longer steps are stable.
     /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, counts as
     ///   a damper of that rate. This is right for [`Rk4`](crate::Rk4) and
     ///   [`Nystrom`](crate::Nystrom). The other explicit methods have no stable step under such a

@@ -103,10 +103,10 @@ use crate::state::State;
 ///   all of it. It is larger if dampers leave less than 2 % of the springs' force, because only a
 ///   short part of the arc pushes.
 /// - Other laws are not smooth where the quadrature assumes it, at the ends of the arc or where a
-///   damper reaches its limit. In random poses the error is up to 2e-3 with
-///   [`LoadDependentCoulomb`](crate::LoadDependentCoulomb), 4e-3 with
-///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb), 6e-3 with
-///   [`HuntCrossley`](crate::HuntCrossley) and 4e-2 with [`LimitedDamper`](crate::LimitedDamper). A
+///   damper reaches its limit. In random poses the error is up to 1e-2 with
+///   [`LoadDependentCoulomb`](crate::LoadDependentCoulomb),
+///   [`AnisotropicCoulomb`](crate::AnisotropicCoulomb) and [`HuntCrossley`](crate::HuntCrossley),
+///   and up to 0.1 with [`LimitedDamper`](crate::LimitedDamper). A
 ///   `HuntCrossley` damper that cancels the force on a part of the arc has up to 30 % of the small
 ///   force that is left. An elastic bounce then has an error of its energy that shorter steps do
 ///   not reduce.

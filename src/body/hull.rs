@@ -13,26 +13,37 @@ impl<R: Real> MassProperties<R> {
     /// Facets are found by rotating a plane about each edge (gift wrapping). They are summed as
     /// those of a [`mesh`](Self::mesh). This takes about `n³` operations for n points, once, and no
     /// memory. Points within 256 units in the last place of the hull's size from a facet's plane
-    /// belong to the facet.
+    /// belong to the facet. If the facets do not meet, other distances from 16 to 4096 units are
+    /// tried.
     ///
     /// # Errors
     /// Returns [`SceneError`] if the mass or a coordinate is not finite, if there is no point, or
-    /// if the points lie in a plane, so that the hull has no volume.
+    /// if the points lie in a plane, so that the hull has no volume. It also returns one if the
+    /// facets do not meet at any of these distances, because points almost in a plane are too many.
     pub fn hull<V: Vector<R>>(mass: R, points: &[V]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
     {
         check_vertices::<R>(points)?;
-        let mut volume = Volume::<R>::about(points.first().ok_or_else(no_vertex)?);
-        let hull = Hull::<R, V>::of(points, |&point| point, R::ZERO);
-        for first in 0..points.len() {
-            for second in first + 1..points.len() {
-                hull.each_triangle(first, second, |corners| volume.add(corners));
-            }
-        }
-        volume.filled_with(mass)
+        let tip = points.first().ok_or_else(no_vertex)?;
+        let within = |units: f64| {
+            let hull =
+                Hull::<R, V>::within(points, |&point| point, R::EPSILON * R::from_f64(units));
+            hull.volume(tip)
+        };
+        let closed = (THICKNESSES.into_iter().map(within)).find(Volume::is_closed);
+        closed
+            .unwrap_or_else(|| within(THICKNESSES[0]))
+            .filled_with(mass)
     }
 }
+
+/// Units in the last place of the hull's size within which a point counts as on a plane.
+///
+/// A point may be within the thickness of one plane and just outside that of the next. The facets
+/// do not meet then, and those of another thickness do: with the first one alone, one of a thousand
+/// boxes with some more points on its faces is not closed.
+const THICKNESSES: [f64; 5] = [256.0, 64.0, 1024.0, 16.0, 4096.0];
 
 impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     /// Creates the homogeneous convex hull of points (m), with a bare contact at each of them.
@@ -89,6 +100,12 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
     /// Hull of the positions of `points`. Points within `noise` of its size from a plane are on it,
     /// and within 256 units in the last place in any case.
     pub(crate) fn of(points: &'a [T], position: fn(&T) -> R::Vec3, noise: R) -> Self {
+        let least = R::EPSILON * R::from_f64(THICKNESSES[0]);
+        Self::within(points, position, noise.at_least(least))
+    }
+
+    /// Hull of the positions of `points`. Points within `share` of its size from a plane are on it.
+    fn within(points: &'a [T], position: fn(&T) -> R::Vec3, share: R) -> Self {
         let middle = points.first().map(position).unwrap_or_default();
         let size = points.iter().fold(R::ZERO, |size, point| {
             size.at_least((position(point) - middle).length())
@@ -96,7 +113,7 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
         Self {
             points,
             position,
-            thickness: size * noise.at_least(R::EPSILON * R::from_f64(256.0)),
+            thickness: size * share,
         }
     }
 
@@ -215,6 +232,17 @@ impl<'a, R: Real, T> Hull<'a, R, T> {
 
     fn height(&self, plane: &FacetPlane<R>, point: R::Vec3) -> R {
         plane.normal.dot(point - plane.place)
+    }
+
+    /// Volume within the facets, with the tip of its tetrahedra.
+    fn volume(&self, tip: &R::Vec3) -> Volume<R> {
+        let mut volume = Volume::about(tip);
+        for first in 0..self.points.len() {
+            for second in first + 1..self.points.len() {
+                self.each_triangle(first, second, |corners| volume.add(corners));
+            }
+        }
+        volume
     }
 
     /// Calls `see` with the triangles of the facet to the left of the edge from `first` to

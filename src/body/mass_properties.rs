@@ -297,6 +297,11 @@ impl<R: Real> Volume<R> {
         self.extent_size += centroid.length() * area.length();
     }
 
+    /// Returns true if no part of the surface is missing, as far as its sums show it.
+    pub(super) fn is_closed(&self) -> bool {
+        self.check_closed().is_ok()
+    }
+
     /// Checks that no part of the surface is missing, as far as its sums show it.
     fn check_closed(&self) -> Result<(), SceneError> {
         let open = |gap: R, unit| {

@@ -22,8 +22,10 @@ use crate::real::{Real, Vector, scaled, unit};
 ///   [`EnergyMomentum`](crate::EnergyMomentum) can gain energy there.
 /// - The force has a component across the slip, towards the direction of the smaller coefficient.
 ///   It is up to `|μ₁² - μ₂²|/(μ₁² + μ₂²)` of the force.
-/// - It does not stick. It creeps as `Coulomb` does, with a slip speed of
-///   `slip_speed · max(μ₁, μ₂)/μ`, where μ is the coefficient in the direction of the slip.
+/// - It does not stick. Where the load points along the grain or across it, it creeps as `Coulomb`
+///   does, with a slip speed of `slip_speed · max(μ₁, μ₂)/μ`, where μ is the coefficient in that
+///   direction. In another direction it also creeps sideways, at an angle of up to
+///   `asin(|μ₁² - μ₂²|/(μ₁² + μ₂²))`.
 /// - In a step of [`EnergyMomentum`](crate::EnergyMomentum) with a
 ///   [`fallback`](crate::Step::fallback), friction has the size of the law's force and the opposite
 ///   direction of the slip, without the component across it.

@@ -398,6 +398,63 @@ fn the_hull_of_a_fine_cone_comes_to_the_cone() {
     assert_eq!((cone.radius(), cone.height()), (0.5, 0.9));
 }
 
+/// A point on an edge of a box, close to a corner: within the thickness of one facet it is on the
+/// plane, and just outside that of the next.
+#[test]
+fn a_point_on_the_edge_of_a_rotated_box_changes_nothing() {
+    let corners = [
+        [
+            0.014176213301687404,
+            -0.4928617472559256,
+            -0.3266848935281937,
+        ],
+        [
+            -0.11677233443825696,
+            0.056733413034365604,
+            -0.5770461232402294,
+        ],
+        [
+            -0.11140343023662873,
+            -0.5048501959077489,
+            -0.2873190596091497,
+        ],
+        [
+            -0.2423519779765731,
+            0.04474496438254222,
+            -0.5376802893211854,
+        ],
+        [0.2423519779765731, -0.04474496438254222, 0.5376802893211854],
+        [0.11140343023662873, 0.5048501959077489, 0.2873190596091497],
+        [
+            0.11677233443825696,
+            -0.056733413034365604,
+            0.5770461232402294,
+        ],
+        [
+            -0.014176213301687404,
+            0.4928617472559256,
+            0.3266848935281937,
+        ],
+    ];
+    let on_edge = [
+        0.24233702595876425,
+        -0.044682210295031055,
+        0.5376517024782619,
+    ];
+    let points = |all: &[[f64; 3]]| -> Vec<DVec3> { all.iter().map(|&p| DVec3::from(p)).collect() };
+    let alone = MassProperties::hull(1.0, &points(&corners)).unwrap();
+    let with_point = points(&[&corners[..], &[on_edge]].concat());
+    let hull = MassProperties::hull(1.0, &with_point).unwrap();
+    for (a, b) in hull
+        .inertia
+        .to_cols_array()
+        .iter()
+        .zip(alone.inertia.to_cols_array())
+    {
+        assert!((a - b).abs() < 1e-14, "{hull:?} {alone:?}");
+    }
+}
+
 /// `Σ` over a grid of a rounded cube's points: within one in a thousand by 100 cells along an edge.
 #[test]
 fn the_docs_tell_how_much_a_round_die_has_less_than_a_sharp_one() {

@@ -35,6 +35,41 @@ fn a_ramp_with_a_tiny_bend_has_a_gap_everywhere() {
     }
 }
 
+/// A ball of a tenth of the radius of curvature, more than its size away from steep waves: the
+/// search from the point vertically below may not find the nearest point of the surface.
+#[test]
+fn a_ball_in_the_air_above_steep_waves_touches_nothing() {
+    let length = 2.0;
+    for slope in [3.6, 5.0, 8.0, 20.0] {
+        let amplitude = slope * length / TAU;
+        let waves = Waves { amplitude, length };
+        let radius = 0.1 * (length / TAU).powi(2) / amplitude;
+        let shape = Terrain::of(waves);
+        let height = |x: f64| -> f64 { waves.elevation(x, 0.0).height };
+        let mut count = 0;
+        for number in 0..4000_u16 {
+            // Places in no order, by multiples of irrational numbers.
+            let share = |factor: f64| (f64::from(number) * factor).fract();
+            let x = length * share(0.618_033_988_7);
+            let up = (amplitude - height(x)) * share(0.414_213_562_4);
+            let centre = DVec3::new(x, 0.0, height(x) + up);
+            let distance_at = |part: i16| {
+                let along = x + up.min(length) * f64::from(part) / 500.0;
+                centre.distance(DVec3::new(along, 0.0, height(along)))
+            };
+            let distance = (-500..=500).map(distance_at).fold(f64::MAX, f64::min);
+            if distance < 2.0 * radius {
+                continue;
+            }
+            count += 1;
+            let surface: Option<Surface> = shape.surface_under(centre, radius);
+            let gap = surface.map_or(f64::MAX, |surface| surface.gap);
+            assert!(gap > radius, "{gap} m of {distance} m at {centre}, {slope}");
+        }
+        assert!(count > 3000, "{count}");
+    }
+}
+
 /// The named reliefs, with radii of curvature of 1 m at least.
 fn each_relief(mut test: impl FnMut(&str, &dyn Shape)) {
     test(

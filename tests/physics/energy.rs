@@ -110,6 +110,37 @@ fn the_energy_of_symplectic_methods_swings_and_does_not_drift() {
     }
 }
 
+/// The fraction by which a bounce changes the energy depends on the phase of its touch-down, so
+/// that many bounces are a random walk.
+#[test]
+fn a_bounce_changes_the_energy_of_symplectic_euler_by_its_phase() {
+    let time_step = 1e-3;
+    for turn in [0.3, 0.9, 1.6_f64] {
+        let stepper = Stepper::new(tumble::PointMass::new(1.0))
+            .and_then(|s| s.with_ground(FlatGround::level((turn / time_step).powi(2), 0.0)))
+            .and_then(|s| s.with_integrator(SymplecticEuler { time_step }))
+            .unwrap();
+        let energy_after = |phase: f64| {
+            let mut state = State::at(DVec3::Z * (phase * time_step + 1e-9));
+            state.linear_velocity = -DVec3::Z;
+            while state.linear_velocity.z < 0.0 || state.position.z < 0.0 {
+                stepper.step(&mut state).unwrap();
+            }
+            state.linear_velocity.length_squared()
+        };
+        let energies = (0..100_u8).map(|part| energy_after(f64::from(part) / 100.0));
+        let [least, most] = energies.fold([1.0_f64; 2], |[least, most], energy| {
+            [least.min(energy), most.max(energy)]
+        });
+        let x = turn * turn / 4.0;
+        assert!(least >= 1.0 - x - 1e-6 && most <= 1.0 / (1.0 - x) + 1e-6);
+        assert!(
+            least < 1.0 - x / 2.0 && most > 1.0 + x / 2.0,
+            "{turn}: {least} to {most}"
+        );
+    }
+}
+
 #[test]
 fn the_energy_of_an_undamped_contact_grows_without_end_under_forward_euler() {
     // Why it is the baseline and no more: |λ|² = 1 + (ω dt)² a step on a spring.

@@ -173,8 +173,9 @@ fn discontinuities_by<R: Real>(
         chord,
         speeds: [-lowest, -across, down],
     };
-    if openings.may_exist() {
-        openings.find(&mut discontinuities);
+    let separates = [-R::ONE, R::ONE].map(|end| openings.separates(end));
+    if separates != [false; 2] {
+        openings.find(separates, &mut discontinuities);
     }
     if may_turn(slips, chord) {
         Slips::along(slips, chord).add_reversals(laws.friction, &mut discontinuities);
@@ -410,14 +411,6 @@ struct Openings<'a, R> {
 }
 
 impl<R: Real> Openings<'_, R> {
-    /// Returns false if no part of the arc separates, as far as its ends and its middle show.
-    #[inline(always)]
-    fn may_exist(&self) -> bool {
-        [-R::ONE, R::ONE, R::ZERO]
-            .into_iter()
-            .any(|u| self.separates(u))
-    }
-
     #[inline(always)]
     fn separates(&self, u: R) -> bool {
         self.closing_speed(u) < R::ZERO
@@ -444,37 +437,49 @@ impl<R: Real> Openings<'_, R> {
     }
 
     /// Adds the points at which the normal force reaches 0 before the penetration depth does, and
-    /// the part between them that the ground pushes.
+    /// the part between them that the ground pushes. The first argument tells which ends separate.
     #[inline(always)]
-    fn find(&self, discontinuities: &mut Discontinuities<R>) {
+    fn find(&self, ends: [bool; 2], discontinuities: &mut Discontinuities<R>) {
         let square = self.chord * self.chord / ((R::ONE - self.chord) * (R::ONE + self.chord));
         let (all, beside) = (R::ONE + square, R::ONE + square * R::from_f64(0.25));
         let half = R::HALF * (all / beside).sqrt();
-        let forces = [-half, R::ZERO, half].map(|u| self.force(u));
-        if forces.iter().all(|force| *force > R::ZERO) {
-            let [left, middle, right] = forces;
-            for root in roots_through([left * beside, middle, right * beside]) {
+        let (left, middle, right) = (self.force(-half), self.force(R::ZERO), self.force(half));
+        if left > R::ZERO && middle > R::ZERO && right > R::ZERO {
+            let roots = roots_through([left * beside, middle, right * beside]);
+            for (root, separates) in roots.into_iter().zip(ends) {
                 let u = root * (all / (R::ONE + square * root * root)).sqrt();
-                if is_within(u) && self.separates(u) {
+                if is_within(u) && separates {
                     discontinuities.add(Discontinuity::of_opening(u));
                 }
             }
         } else {
-            self.seek(half, discontinuities);
+            self.seek(half, [left, middle, right], ends, discontinuities);
         }
-        self.leave_out_ends(discontinuities);
+        self.leave_out(ends, discontinuities);
     }
 
-    /// Finds the points of opening by bisection between five points of the arc. Part of an arc that
-    /// pushes, or opens, between two of them is not found.
-    fn seek(&self, half: R, discontinuities: &mut Discontinuities<R>) {
-        // At an end of an arc, the penetration depth is 0.
-        let pushes = |u: R| !self.separates(u) || self.force(u) > R::ZERO;
-        let points = [-R::ONE, -half, R::ZERO, half, R::ONE];
+    /// Finds the points of opening by bisection between five points of the arc: its ends, and three
+    /// with these forces. Part of an arc that pushes, or opens, between two of them is not found.
+    fn seek(
+        &self,
+        half: R,
+        forces: [R; 3],
+        ends: [bool; 2],
+        discontinuities: &mut Discontinuities<R>,
+    ) {
+        let pushes = |u: R| self.force(u) > R::ZERO;
+        let [left, middle, right] = forces.map(|force| force > R::ZERO);
+        // At an end of an arc the penetration depth is 0, and next to it the closing speed decides.
+        let points = [
+            (-R::ONE, !ends[0] || pushes(-R::ONE)),
+            (-half, left),
+            (R::ZERO, middle),
+            (half, right),
+            (R::ONE, !ends[1] || pushes(R::ONE)),
+        ];
         for (from, to) in points.into_iter().zip(points.into_iter().skip(1)) {
-            let around = match [from, to].map(pushes) {
-                [true, false] => [to, from],
-                [false, true] => [from, to],
+            let around = match (from, to) {
+                ((pushed, true), (open, false)) | ((open, false), (pushed, true)) => [open, pushed],
                 _ => continue,
             };
             let [out, _] = bisect(around, HALVINGS, pushes);
@@ -485,18 +490,19 @@ impl<R: Real> Openings<'_, R> {
     }
 
     /// Leaves out what is beyond the first and the last point of opening, if nothing pushes there.
+    /// That needs an end that separates.
     #[inline(always)]
-    fn leave_out_ends(&self, discontinuities: &mut Discontinuities<R>) {
-        let mut places = discontinuities.iter().map(|place| place.u);
-        let Some(first) = places.next() else {
+    fn leave_out(&self, ends: [bool; 2], discontinuities: &mut Discontinuities<R>) {
+        let found = discontinuities.places.get(..discontinuities.count);
+        let (Some([first, ..]), Some([.., last])) = (found, found) else {
             return;
         };
-        let last = places.last().unwrap_or(first);
-        let pushes_beyond = |u: R, end: R| self.force((u + end) * R::HALF) > R::ZERO;
-        if !pushes_beyond(first, -R::ONE) {
+        let [first, last] = [first.u, last.u];
+        let opens = |u: R, end: R| self.force((u + end) * R::HALF) <= R::ZERO;
+        if ends[0] && opens(first, -R::ONE) {
             discontinuities.pushed[0] = first;
         }
-        if !pushes_beyond(last, R::ONE) {
+        if ends[1] && opens(last, R::ONE) {
             discontinuities.pushed[1] = last;
         }
     }

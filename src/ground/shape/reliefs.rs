@@ -46,8 +46,8 @@ impl<R: Real> HeightField<R> for Bowl<R> {
 /// m.
 ///
 /// On the side of negative x the ground is level to within `slope width²/(4 |x|)`. On the side of
-/// positive x it is as near to the plane `z = slope · x`. The largest curvature, at x = 0, is
-/// `slope/(2 width)`.
+/// positive x it is as near to the plane `z = slope · x`. The largest second
+/// derivative, at x = 0, is `slope/(2 width)`, and no curvature is larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ramp<R = f64> {

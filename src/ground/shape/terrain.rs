@@ -122,7 +122,9 @@ impl<R: Real> Elevation<R> {
 /// *Limits:* depth and radius of a contact must be below the terrain's radius of curvature,
 /// 1/hessian. This also limits the radius of a ball in a valley. Beyond the limit several points of
 /// the surface can be nearest, and the gap has edges. The search starts at the point vertically
-/// below or above. It may then find a point that is near but not nearest. Even there the energy
+/// below or above. It may then find a point that is not the nearest, also for a contact in the air
+/// that is further from the surface than the radius of curvature. The gap is too large there, so
+/// that a contact in the air feels nothing, but may be found late. Even there the energy
 /// never increases ([`EnergyMomentum`](crate::EnergyMomentum)), but the accuracy of the path is not
 /// guaranteed. A million radii of curvature below the surface, a body was found to stay where a
 /// force could still press it down.
@@ -146,17 +148,22 @@ impl<H> Terrain<H> {
 impl<R: Real, H: HeightField<R>> Shape<R> for Terrain<H> {
     #[inline]
     fn surface(&self, point: R::Vec3) -> Surface<R> {
-        Foot::below(&self.height_field, point)
-            .nearest(&self.height_field, point)
-            .surface(point)
+        let foot = Foot::below(&self.height_field, point);
+        let is_above = foot.clearance(point) > R::ZERO;
+        let nearest = foot.nearest(&self.height_field, point);
+        nearest.surface(point, is_above)
     }
 
     /// The height of a bare point shows whether it is above the terrain, without a search.
     #[inline]
     fn surface_under(&self, centre: R::Vec3, radius: R) -> Option<Surface<R>> {
         let foot = Foot::below(&self.height_field, centre);
-        let is_clear = radius <= R::ZERO && foot.clearance(centre) > foot.rounding(centre);
-        (!is_clear).then(|| foot.nearest(&self.height_field, centre).surface(centre))
+        let clearance = foot.clearance(centre);
+        let is_clear = radius <= R::ZERO && clearance > foot.rounding(centre);
+        (!is_clear).then(|| {
+            let nearest = foot.nearest(&self.height_field, centre);
+            nearest.surface(centre, clearance > R::ZERO)
+        })
     }
 
     #[inline]
@@ -282,15 +289,22 @@ impl<R: Real> Foot<R> {
 
     /// Distance to the tangent plane at the foot. It equals the distance to the terrain to second
     /// order in the error of the foot.
+    ///
+    /// A foot whose normal misses the point is not the nearest one. Its own distance is then the
+    /// gap: it is never less than that of the terrain, so that no contact is felt in the air.
     #[inline]
-    fn surface(&self, point: R::Vec3) -> Surface<R> {
+    fn surface(&self, point: R::Vec3, is_above: bool) -> Surface<R> {
         let [hx, hy] = self.elevation.gradient;
         let upright = R::Vec3::new(-hx, -hy, R::ONE);
         let normal = upright * (R::ONE / upright.length());
         let foot = R::Vec3::new(self.x, self.y, self.elevation.height);
-        Surface {
-            gap: normal.dot(point - foot),
-            normal,
-        }
+        let gap = normal.dot(point - foot);
+        let misses = gap * gap < self.square * R::from_f64(0.98) || (gap > R::ZERO) != is_above;
+        let gap = match (misses, is_above) {
+            (false, _) => gap,
+            (true, true) => self.square.sqrt(),
+            (true, false) => -self.square.sqrt(),
+        };
+        Surface { gap, normal }
     }
 }

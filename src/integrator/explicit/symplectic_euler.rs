@@ -25,7 +25,9 @@ use crate::state::State;
 /// microcontrollers. The rotation in flight is exact to rounding, for any moments of inertia.
 ///
 /// *May add energy.* Without dampers, friction and applied forces the energy oscillates by O(dt)
-/// and does not grow. A force that rotates the velocity at a rate ω, such as
+/// while the same contacts touch. A bounce changes it by a fraction from `-x` to `x/(1-x)` with
+/// `x = (dt ω)²/4`, as the phase of its touch-down has it. Over many bounces the energy is a random
+/// walk, which may end at many times the first energy. A force that rotates the velocity at a rate ω, such as
 /// [lift](crate::SpinLift), multiplies the velocity by `√(1 + (dt ω)²)` in each step.
 ///
 /// *Stable* for `dt < 2 (√(1+ζ²) - ζ)/ω` with `ζ = δ/2ω`. Here ω and δ are the highest frequency
