@@ -18,11 +18,11 @@ use tumble::ensemble::{
     Ensemble, EnsembleError, Histogram, Pair, RandomOrientation, RandomSpin, RandomStart, Sampling,
     SceneHash, StartDistribution, Stop, Tally, Throw, Toss, TossError,
 };
-use tumble::glam::DVec3;
+use tumble::glam::{DVec3, Vec3};
 use tumble::{
-    AirDrag, Coin, CoinFace, ConstantForce, ContactPoint, Coulomb, EnergyMomentum, FlatGround,
-    Force, MovingGround, NoGround, Outcome, Plane, PointCloud, SpringDamperGround, State, Stepper,
-    UniformGravity, Wind,
+    AirDrag, Coin, CoinFace, CompactEnergyMomentum, ConstantForce, ContactPoint, Coulomb, Cuboid,
+    EnergyMomentum, FlatGround, Force, MovingGround, NoGround, Outcome, Plane, PointCloud,
+    SpringDamperGround, State, Stepper, UniformGravity, Wind,
 };
 
 #[allow(dead_code, reason = "other programs use the other part")]
@@ -1055,6 +1055,44 @@ fn the_scene_hash_knows_every_parameter() {
     // The types of the parts are in it too.
     let other = Throw::new(&ring(), any_start(), 1.0).unwrap().scene_hash();
     assert!(!hashes.contains(&other.to_string()));
+}
+
+/// The result of two tosses with a method that stores this many contacts.
+fn with_stored_contacts<const CONTACTS: usize>() -> Tally<CoinFace> {
+    let method = CompactEnergyMomentum::<CONTACTS> { time_step: 2e-3 };
+    let stepper = ring().with_integrator(method).unwrap();
+    let throw = Throw::new(&stepper, any_start(), 10.0).unwrap();
+    let ensemble = Ensemble::new(SEED, throw.scene_hash());
+    let first = CONTACTS as u64;
+    let tally = ensemble.run(first..first + 2, |toss| throw.play(toss));
+    tally.unwrap()
+}
+
+/// The number is a parameter of the type, and bits of a result may depend on it.
+#[test]
+fn results_with_another_number_of_stored_contacts_are_not_merged() {
+    let mut tally = with_stored_contacts::<2>();
+    let error = tally.merge(&with_stored_contacts::<12>()).unwrap_err();
+    assert!(matches!(error, EnsembleError::OtherScene { .. }));
+}
+
+/// All parameters are numbers that both precisions have.
+#[test]
+fn the_scene_hash_knows_the_precision() {
+    let double = Stepper::builder(Cuboid::solid(0.5, DVec3::splat(0.5)))
+        .ground(FlatGround::level(512.0, 0.5))
+        .gravity(UniformGravity::down(8.0))
+        .build()
+        .unwrap();
+    let single = Stepper::builder(Cuboid::solid(0.5_f32, Vec3::splat(0.5)))
+        .ground(FlatGround::level(512.0, 0.5))
+        .gravity(UniformGravity::down(8.0))
+        .build()
+        .unwrap();
+    let start = || RandomStart::at_height(0.5..=1.0);
+    let double = Throw::new(&double, start(), 1.0).unwrap().scene_hash();
+    let single = Throw::new(&single, start(), 1.0).unwrap().scene_hash();
+    assert_ne!(double, single);
 }
 
 #[test]

@@ -56,6 +56,8 @@ mod turning;
 mod work;
 mod workspace;
 
+use core::fmt;
+
 use crate::body::RigidPointBody;
 use crate::energy::Energy;
 use crate::error::{self, Quantity, Rule, SceneError, StepError};
@@ -276,11 +278,21 @@ impl<R: Real> Integrator<R> for EnergyMomentum<R> {
 /// stepper.advance(&mut state, 0.5)?; // s
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CompactEnergyMomentum<const CONTACTS: usize, R = f64> {
     /// Step size, s, positive.
     pub time_step: R,
+}
+
+/// Prints the number of stored contacts too, because it may change the bits of a result.
+impl<R: fmt::Debug, const CONTACTS: usize> fmt::Debug for CompactEnergyMomentum<CONTACTS, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CompactEnergyMomentum")
+            .field("contacts", &CONTACTS)
+            .field("time_step", &self.time_step)
+            .finish()
+    }
 }
 
 impl<R: Real, const CONTACTS: usize> Integrator<R> for CompactEnergyMomentum<CONTACTS, R> {
