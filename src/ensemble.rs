@@ -82,8 +82,11 @@ pub use throw::Throw;
 pub use toss::Toss;
 pub use uniform::Uniform;
 
+use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
+use core::any::Any;
+use core::mem;
 use core::ops::Range;
 use core::panic::AssertUnwindSafe;
 use std::panic::catch_unwind;
@@ -294,8 +297,20 @@ impl Ensemble {
         let (ending, records) = match ended {
             Ok(Ok(outcome)) => (Ending::Outcome(outcome), toss.records),
             Ok(Err(error)) => (Ending::Error(error.kind()), Vec::new()),
-            Err(_) => (Ending::Panic, Vec::new()),
+            Err(payload) => {
+                discard(payload);
+                (Ending::Panic, Vec::new())
+            }
         };
         Played { ending, records }
+    }
+}
+
+/// Drops the payload of a panic. A panic of its `Drop` would end the whole run, and is caught.
+fn discard(payload: Box<dyn Any + Send>) {
+    let dropped = catch_unwind(AssertUnwindSafe(|| drop(payload)));
+    if let Err(next) = dropped {
+        // The `Drop` of this payload may panic too, and so on without an end. It is not called.
+        mem::forget(next);
     }
 }

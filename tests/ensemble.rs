@@ -230,6 +230,29 @@ fn every_toss_is_counted_once_and_failures_can_be_replayed() {
     }
 }
 
+/// Payload of a panic whose `Drop` panics, this many times one after the other.
+struct Payload(u32);
+
+impl Drop for Payload {
+    fn drop(&mut self) {
+        if self.0 > 0 {
+            std::panic::resume_unwind(Box::new(Self(self.0 - 1)));
+        }
+    }
+}
+
+#[test]
+fn a_panic_whose_payload_panics_when_it_is_dropped_is_counted() {
+    let ensemble = Ensemble::new(SEED, SceneHash::of_bytes(b"payload"));
+    let tally = ensemble.run(0..20, |toss| match toss.number() {
+        number @ 5..8 => std::panic::resume_unwind(Box::new(Payload(number as u32 - 5))),
+        _ => Ok(Outcome::Decided(0_u8)),
+    });
+    let tally = tally.unwrap();
+    assert_eq!(tally.panics().first(), [5, 6, 7]);
+    assert_eq!((tally.count(&0), tally.tosses()), (17, 20));
+}
+
 #[test]
 fn observables_of_failed_tosses_are_not_counted() {
     let tally = mixed_ensemble().run(0..3000, mixed).unwrap();
