@@ -76,10 +76,18 @@ impl From<SceneHash> for String {
 impl TryFrom<String> for SceneHash {
     type Error = core::num::ParseIntError;
 
-    /// Reads the digits that `Display` writes.
+    /// Reads the digits that `Display` writes: exactly sixteen, in lower case and without a sign.
     fn try_from(text: String) -> Result<Self, Self::Error> {
-        u64::from_str_radix(&text, 16).map(Self)
+        // The error of the standard library cannot be constructed, and a sign alone causes it.
+        let digits = if is_written(&text) { &text } else { "+" };
+        u64::from_str_radix(digits, 16).map(Self)
     }
+}
+
+/// Returns true if `Display` writes this text for some hash.
+fn is_written(text: &str) -> bool {
+    let is_digit = |byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f');
+    text.len() == 16 && text.bytes().all(is_digit)
 }
 
 #[cfg(test)]
@@ -92,6 +100,30 @@ mod tests {
         assert_eq!(SceneHash::of_bytes(b"").0, 0xcbf2_9ce4_8422_2325);
         assert_eq!(SceneHash::of_bytes(b"a").0, 0xaf63_dc4c_8601_ec8c);
         assert_eq!(SceneHash::of_bytes(b"foobar").0, 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
+    fn only_the_digits_that_are_written_are_read() {
+        for hash in [0, 1, 0xabcd_ef01_2345_6789, u64::MAX].map(SceneHash) {
+            assert_eq!(SceneHash::try_from(String::from(hash)), Ok(hash));
+        }
+        let texts = [
+            "",
+            "1",
+            "+1",
+            "+000000000000001",
+            "00000000000000001",
+            "ABCDEF0123456789",
+            "00000000000000é",
+            "000000000000000g",
+            " 00000000000000 ",
+            "0x00000000000001",
+        ];
+        for text in texts {
+            let read = SceneHash::try_from(String::from(text));
+            let error = read.map_err(|error| *error.kind()).unwrap_err();
+            assert_eq!(error, core::num::IntErrorKind::InvalidDigit, "{text}");
+        }
     }
 
     #[test]
