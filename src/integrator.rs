@@ -14,6 +14,8 @@ mod lanes;
 mod linear;
 mod matrix3;
 mod point;
+#[cfg(feature = "serde")]
+pub(crate) mod saved;
 
 pub(crate) use adaptive::DORMAND_PRINCE;
 pub(crate) use lanes::Lanes;

@@ -129,6 +129,7 @@ pub struct Moment<R: Real = f64> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields),
     serde(bound(
         serialize = "R: serde::Serialize, State<R>: serde::Serialize, StepControl<R>: serde::Serialize",
         deserialize = "R: serde::Deserialize<'de>, State<R>: serde::Deserialize<'de>, \
@@ -138,6 +139,10 @@ pub struct Moment<R: Real = f64> {
 pub struct SavedSession<R: Real = f64> {
     state: State<R>,
     clock: Clock<R>,
+    #[cfg_attr(
+        feature = "serde",
+        serde(deserialize_with = "crate::integrator::saved::required")
+    )]
     control: Option<StepControl<R>>,
 }
 

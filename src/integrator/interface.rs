@@ -165,6 +165,7 @@ pub trait Integrator<R: Real = f64> {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields),
     serde(bound(
         serialize = "R: serde::Serialize, R::Quat: serde::Serialize",
         deserialize = "R: serde::Deserialize<'de>, R::Quat: serde::Deserialize<'de>"
@@ -172,14 +173,17 @@ pub trait Integrator<R: Real = f64> {
 )]
 pub struct StepControl<R: Real = f64> {
     /// Size of the next step, s, above 0. `None` if the method chooses it from the state.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "super::saved::required"))]
     pub next_step: Option<R>,
     /// Measure of the error of the last step, at least 0. The method defines it. `None` before the
     /// first step.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "super::saved::required"))]
     pub last_error: Option<R>,
     /// Orientation at the start of the next step, before it was scaled to length 1 for the state.
     ///
     /// `None` if it is that of the state. It differs from that of the state by rounding, and is
     /// ignored if it does not belong to the state.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "super::saved::required"))]
     pub orientation: Option<R::Quat>,
 }
 

@@ -167,7 +167,11 @@ fn last_place<R: Real>(number: R) -> R {
 /// The counts are modulo 2⁶⁴. Steps that are taken do not come so far, but a saved session may have
 /// any counts, and those of a body at rest grow by up to 2⁵³ in a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub(crate) struct Clock<R> {
     pub(crate) time: R,
     pub(crate) lost: R,

@@ -865,6 +865,56 @@ fn an_invalid_session_is_refused_when_it_is_resumed() {
     }
 }
 
+/// Texts of the JSON in which one key of a map is missing, or has another name.
+#[cfg(feature = "serde")]
+fn without_one_key(good: &serde_json::Value, map: &str) -> Vec<(String, serde_json::Value)> {
+    let entries = |value: &mut serde_json::Value| {
+        let found = value.pointer_mut(map).unwrap();
+        std::mem::take(found.as_object_mut().unwrap())
+    };
+    let whole = entries(&mut good.clone());
+    let mut found = Vec::new();
+    for key in whole.keys() {
+        for name in [None, Some(format!("{key}_"))] {
+            let mut changed = whole.clone();
+            let value = changed.remove(key).unwrap();
+            changed.extend(name.map(|name| (name, value)));
+            let mut bad = good.clone();
+            *bad.pointer_mut(map).unwrap() = changed.into();
+            found.push((key.clone(), bad));
+        }
+    }
+    found
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn a_saved_session_with_a_missing_or_unknown_key_is_refused() {
+    let trial = Trial::<f64>::report(1).unwrap();
+    let stepper = trial.stepper(DormandPrince54::new(1e-5)).unwrap();
+    let mut session = stepper.session(trial.state());
+    session.advance(0.01).unwrap();
+    let good = serde_json::to_value(session.save()).unwrap();
+    for (map, keys) in [("", 3), ("/state", 4), ("/clock", 5), ("/control", 3)] {
+        let bad = without_one_key(&good, map);
+        assert_eq!(bad.len(), 2 * keys, "{good}");
+        for (key, bad) in bad {
+            let error = serde_json::from_value::<SavedSession>(bad).unwrap_err();
+            assert!(error.to_string().contains(&key), "{map}/{key}: {error}");
+        }
+    }
+    for map in ["", "/clock", "/control"] {
+        let mut bad = good.clone();
+        bad.pointer_mut(map).unwrap()["extra"] = 1.into();
+        let error = serde_json::from_value::<SavedSession>(bad).unwrap_err();
+        assert!(error.to_string().contains("`extra`"), "{map}: {error}");
+    }
+    // An empty value has a key.
+    let mut empty = good.clone();
+    empty["control"] = serde_json::Value::Null;
+    assert!(serde_json::from_value::<SavedSession>(empty).is_ok());
+}
+
 #[cfg(feature = "serde")]
 #[test]
 fn a_saved_session_with_the_largest_counts_goes_on_without_an_overflow() {
