@@ -169,6 +169,9 @@ def broken_files(folder):
         (folder / "parts").mkdir(exist_ok=True)
         (folder / "parts" / "1.part.json").write_bytes(content)
         refuses("tosses", ["--merge", "--out", "parts"], folder, 1)
+        # Tosses that are played do not need the broken file: it is renamed, and the output names it.
+        code, output, errors = call("tosses", ["--to", "10", "--out", "parts"], folder)
+        assert code == 0 and "1.part.json.broken" in output, f"tosses over {content[:20]}: {code}: {output}{errors}"
     refuses("tosses", ["--merge", "--out", "missing"], folder, 1)
 
 

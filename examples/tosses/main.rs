@@ -19,8 +19,9 @@ use common::{Outcome, program, within};
 const HELP: &str = "\
 Tosses a coin of steel until its face is decided, and counts heads, tails and edge. Each part of
 the tosses is a file, written when it is complete. A toss that is in a file of the folder is not
-played again: run the same command after an interruption. The result has the same bytes for any
-parts, threads and machines.
+played again: run the same command after an interruption. A file that cannot be read is renamed to
+its name with .broken, and its tosses are played again. The result has the same bytes for any parts,
+threads and machines.
 
 Usage: cargo run --release --example tosses -- [OPTIONS]
 

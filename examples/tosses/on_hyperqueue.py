@@ -12,10 +12,12 @@ It starts a server and workers on this machine. With a server of your own (`hq s
         'SLURM_ARRAY_TASK_ID=$HQ_TASK_ID SIZE=5000 FOLDER=/shared/tosses bash examples/tosses/on_slurm.sh'
 
 A task that runs twice, or again after an interruption, writes the same bytes. So run the same
-command again after an interruption: it submits only the ranges that are missing.
+command again after an interruption: it submits only the ranges whose file is missing or cannot be
+read.
 """
 
 import argparse
+import json
 import subprocess
 from pathlib import Path
 
@@ -45,11 +47,19 @@ def options():
     return given
 
 
+def is_readable(part):
+    """Whether a file of a part is there and complete."""
+    try:
+        return "ranges" in json.loads(part.read_bytes())
+    except (OSError, ValueError, TypeError, RecursionError):
+        return False
+
+
 def missing_tasks(given):
-    """First tosses of the ranges that have no file yet."""
+    """First and end tosses of the ranges that have no readable file yet."""
     for first in range(0, given.tosses, given.size):
         end = min(first + given.size, given.tosses)
-        if not (given.out / f"{first:012}-{end:012}.part.json").exists():
+        if not is_readable(given.out / f"{first:012}-{end:012}.part.json"):
             yield first, end
 
 

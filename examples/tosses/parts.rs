@@ -1,5 +1,6 @@
 //! One file for each part of the tosses.
 
+use std::error::Error;
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};
 use std::ops::Range;
@@ -40,12 +41,10 @@ pub(crate) fn play(arguments: &Arguments) -> Outcome<()> {
     merge(arguments)
 }
 
-/// Returns the tosses that are in no file. A file that cannot be read is played again. A result of
-/// another ensemble is not replaced.
+/// Returns the tosses that are in no file that can be read. A result of another ensemble is not
+/// replaced.
 fn missing(arguments: &Arguments, ensemble: &Ensemble) -> Outcome<Vec<Range<u64>>> {
-    let mut files = files(&arguments.out)?;
-    files.retain(|file| read(file).is_ok());
-    let Some(there) = merged(&files)? else {
+    let Some(there) = merged(&readable(&arguments.out)?)? else {
         return Ok(vec![arguments.tosses.clone()]);
     };
     if there.seed() != ensemble.seed() || there.scene() != ensemble.scene() {
@@ -53,6 +52,37 @@ fn missing(arguments: &Arguments, ensemble: &Ensemble) -> Outcome<Vec<Range<u64>
         return Err(format!("{shown} has another seed or scene: choose another folder").into());
     }
     Ok(there.gaps(arguments.tosses.clone()))
+}
+
+/// Files of the parts that can be read, in order. Any other file is renamed: its tosses are played
+/// again, and parts of another length do not replace it.
+fn readable(folder: &Path) -> Outcome<Vec<PathBuf>> {
+    let mut readable = Vec::new();
+    for file in files(folder)? {
+        match read(&file) {
+            Ok(_) => readable.push(file),
+            Err(error) => set_aside(&file, &*error)?,
+        }
+    }
+    Ok(readable)
+}
+
+/// Renames a file that cannot be read to its name with `.broken`.
+fn set_aside(file: &Path, error: &dyn Error) -> Outcome<()> {
+    let mut aside = file.as_os_str().to_owned();
+    aside.push(".broken");
+    let aside = Path::new(&aside);
+    let shown = file.display();
+    match fs::rename(file, aside) {
+        Ok(()) => say(format_args!(
+            "cannot read {shown}: {error}; renamed to {}\n",
+            aside.display()
+        )),
+        // Another process has renamed it.
+        Err(renamed) if renamed.kind() == ErrorKind::NotFound => {}
+        Err(renamed) => return Err(format!("cannot rename {shown}: {renamed}").into()),
+    }
+    Ok(())
 }
 
 /// Files of the parts in a folder, in order.
