@@ -19,10 +19,15 @@ read.
 import argparse
 import json
 import subprocess
+import sys
 from pathlib import Path
 
-from hyperqueue.cluster import LocalCluster, WorkerConfig
-from hyperqueue.job import Job
+try:
+    from hyperqueue.cluster import LocalCluster, WorkerConfig
+    from hyperqueue.job import Job
+except ImportError:
+    # The help text needs no cluster.
+    LocalCluster = None
 
 
 def options():
@@ -85,6 +90,8 @@ def play(given, tasks):
 
 def main():
     given = options()
+    if LocalCluster is None:
+        sys.exit("error: the module hyperqueue is missing: pip install hyperqueue")
     tasks = list(missing_tasks(given))
     print(f"{len(tasks)} tasks of up to {given.size} tosses")
     if tasks:
