@@ -17,7 +17,8 @@ PROGRAMS = pathlib.Path(sys.argv[1]).resolve()
 # Options whose value is a path: any text is valid.
 PATHS = {"--out", "--data", "--readme-picture"}
 NOT_VALUES = ["", "x", "nan", "1e400", b"\xff"]
-# Numbers with which a program would not end in a lifetime, or only by exhausting the machine, has nothing to measure, or compares other tables.
+# Numbers with which a program would not end in a lifetime, or only by exhausting the machine, has nothing to measure, or compares other tables;
+# and a folder without a name.
 BEYOND = {
     "coin": [["--duration", "1e19"], ["--step", "1e-300"], ["--points", "10000000000"], ["--all", "--duration", "1e19"]],
     "choose_accuracy": [
@@ -26,7 +27,10 @@ BEYOND = {
     ],
     "known_outcomes": [["--percent", "10000000000"]],
     "tennis": [["--friction", "1e19"], ["--restitution", "1e19"]],
-    "tosses": [["--to", "10000000000000000000"], ["--to", "2000000", "--part", "1"], ["--threads", "10000000000"], ["--cost", "--to", "0"]],
+    "tosses": [
+        ["--to", "10000000000000000000"], ["--to", "2000000", "--part", "1"], ["--threads", "10000000000"], ["--cost", "--to", "0"],
+        ["--out", ""],
+    ],
 }
 # Options that contradict each other, or without one that they need. The message names each of the last entry.
 CLASHES = {
@@ -95,12 +99,12 @@ def call(name, arguments, folder):
     return end.returncode, output, errors
 
 
-def refuses(name, arguments, folder, code):
-    """A program says what is wrong, and prints nothing else."""
+def refuses(name, arguments, folder, code, named=""):
+    """A program says what is wrong, with the name of the file, and prints nothing else."""
     found, output, errors = call(name, arguments, folder)
     shown = f"{name} {arguments}: {found}: {output}{errors}"
     assert found == code and errors.startswith("error: ") and not output, shown
-    assert code != 2 or "--help" in errors, shown
+    assert (code != 2 or "--help" in errors) and named in errors, shown
 
 
 def usage(name, folder):
@@ -162,17 +166,23 @@ def no_folder(name, folder):
 def broken_files(folder):
     for name, content in TABLES.items():
         (folder / name).write_bytes(content)
-        refuses("measured_tosses", ["--quick", "--data", name], folder, 1)
-    refuses("measured_tosses", ["--data", "missing.csv"], folder, 1)
-    refuses("measured_tosses", ["--data", "."], folder, 1)
+        refuses("measured_tosses", ["--quick", "--data", name], folder, 1, name)
+    refuses("measured_tosses", ["--data", "missing.csv"], folder, 1, "missing.csv")
+    refuses("measured_tosses", ["--data", "."], folder, 1, "cannot read .: ")
     for content in PARTS.values():
         (folder / "parts").mkdir(exist_ok=True)
         (folder / "parts" / "1.part.json").write_bytes(content)
-        refuses("tosses", ["--merge", "--out", "parts"], folder, 1)
+        refuses("tosses", ["--merge", "--out", "parts"], folder, 1, "parts/1.part.json")
         # Tosses that are played do not need the broken file: it is renamed, and the output names it.
         code, output, errors = call("tosses", ["--to", "10", "--out", "parts"], folder)
         assert code == 0 and "1.part.json.broken" in output, f"tosses over {content[:20]}: {code}: {output}{errors}"
-    refuses("tosses", ["--merge", "--out", "missing"], folder, 1)
+    refuses("tosses", ["--merge", "--out", "missing"], folder, 1, "missing")
+    # A folder has the name of a file that is to be written.
+    for task, file in ([], "result.json"), (["--toss", "3"], "path.csv"), (["--toss", "3"], "play.html"):
+        out = f"taken_{file}"
+        (folder / out / file).mkdir(parents=True)
+        code, _, errors = call("tosses", [*task, "--to", "10", "--out", out], folder)
+        assert code == 1 and f"cannot write {out}/{file}: " in errors, f"tosses {task}: {code}: {errors}"
 
 
 manifest = tomllib.loads((TOP / "examples/Cargo.toml").read_text())

@@ -2,6 +2,7 @@
 
 use core::error::Error;
 
+use common::cannot;
 use tumble::glam::{DQuat, DVec3};
 use tumble::{State, Trial};
 
@@ -32,7 +33,7 @@ pub(crate) fn distance(a: &State, b: &State) -> f64 {
 /// State of trial 1 at the end, to 13 digits.
 pub(crate) fn truth() -> Result<State, Box<dyn Error>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/truth_table.csv");
-    let mut table = csv::Reader::from_path(path)?;
+    let mut table = csv::Reader::from_path(path).map_err(cannot("read", path.as_ref()))?;
     let headings = table.headers()?.clone();
     for line in table.records() {
         let line = line?;

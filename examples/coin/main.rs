@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use common::make_folder;
+use common::{cannot, make_folder};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use options::{HELP, Options, Task, UsageError};
@@ -94,9 +94,7 @@ fn all_trials(options: &Options) -> Result<(), Box<dyn Error>> {
 fn readme_picture(options: &Options, file: &Path) -> Result<(), Box<dyn Error>> {
     let setup = options.overrides.apply(options.number)?;
     let recording = run_and_tell(setup, options.quiet)?;
-    let explain = |error| format!("cannot write {}: {error}", file.display());
-    poster::write(&recording, file).map_err(explain)?;
-    Ok(())
+    poster::write(&recording, file)
 }
 
 fn run_and_tell(setup: Setup, quiet: bool) -> Result<Recording, Box<dyn Error>> {
@@ -141,12 +139,10 @@ const BRIEF: Detail = Detail {
 
 /// Writes table, page and pictures into an existing folder.
 fn write(recording: &Recording, folder: &Path, detail: Detail) -> Result<(), Box<dyn Error>> {
-    let explain = |error| format!("cannot write into {}: {error}", folder.display());
-    table::write(recording, &folder.join("coin.csv"), detail.every)
-        .map_err(|error| explain(error.into()))?;
-    page::write(recording, &folder.join("coin.html")).map_err(explain)?;
-    pictures::write(recording, folder, detail.with_png).map_err(explain)?;
-    Ok(())
+    let table = folder.join("coin.csv");
+    table::write(recording, &table, detail.every).map_err(cannot("write", &table))?;
+    page::write(recording, &folder.join("coin.html"))?;
+    pictures::write(recording, folder, detail.with_png)
 }
 
 fn tell_where(options: &Options, page: &Path) -> io::Result<()> {

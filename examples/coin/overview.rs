@@ -1,8 +1,8 @@
 //! Page of all eight trials: `overview.html`, with links to the page of each.
 
-use std::error::Error;
-use std::fs;
 use std::path::Path;
+
+use common::{Outcome, write_file};
 
 use crate::milestones::Milestones;
 use crate::pictures;
@@ -20,9 +20,8 @@ pub(crate) fn folder(setup: &Setup) -> String {
 }
 
 /// Writes the page.
-pub(crate) fn write(cards: &[String], path: &Path) -> Result<(), Box<dyn Error>> {
-    fs::write(path, TEMPLATE.replace(PLACE, &cards.concat()))?;
-    Ok(())
+pub(crate) fn write(cards: &[String], path: &Path) -> Outcome<()> {
+    write_file(path, TEMPLATE.replace(PLACE, &cards.concat()))
 }
 
 /// One trial of the overview: its parameters, pictures, milestones and links.

@@ -1,7 +1,6 @@
 //! The pictures of the coin report: energy, track, slip speed and centre, each as SVG and PNG.
 
 use std::f64::consts::TAU;
-use std::fs;
 use std::path::Path;
 
 use kuva::prelude::*;
@@ -10,10 +9,10 @@ use kuva::render::render::{Scene, render_multiple};
 use tumble::Energy;
 use tumble::glam::DVec3;
 
-use common::Outcome;
 use common::picture::{
     self, BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Picture, Size, VERMILION, WIDE,
 };
+use common::{Outcome, write_file};
 
 use crate::curve::{Curve, NEAR, pieces, simplified};
 use crate::milestones::Milestones;
@@ -47,7 +46,7 @@ pub(crate) fn write(recording: &Recording, folder: &Path, with_png: bool) -> Out
             Picture::of(name, scene)?.write(folder)?;
         } else {
             let file = folder.join(name).with_extension("svg");
-            fs::write(file, picture::svg(scene))?;
+            write_file(&file, picture::svg(scene))?;
         }
     }
     Ok(())

@@ -2,9 +2,9 @@
 //! energy.
 
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 
+use common::{Outcome, write_file};
 use tumble::glam::{DVec2, DVec3};
 
 use crate::curve::{NEAR, pieces, simplified};
@@ -39,7 +39,7 @@ const PITCH: f64 = 0.5;
 /// # Errors
 ///
 /// Returns an error if the file cannot be written.
-pub(crate) fn write(recording: &Recording, path: &Path) -> std::io::Result<()> {
+pub(crate) fn write(recording: &Recording, path: &Path) -> Outcome<()> {
     let film = Film::of(recording);
     let eye = Eye::on(film.moments);
     let text = TEMPLATE
@@ -51,7 +51,7 @@ pub(crate) fn write(recording: &Recording, path: &Path) -> std::io::Result<()> {
         .replace("<!--CURVE-->", &curve(&film))
         .replace("<!--START-->", &format!("{:.1}", film.energy()))
         .replace("<!--SECONDS-->", &format!("{:.0}", film.length()));
-    fs::write(path, text)
+    write_file(path, text)
 }
 
 /// The moments of a run until the coin is at rest, played at increasing speed.

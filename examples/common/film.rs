@@ -1,15 +1,14 @@
 //! A page that shows a run in three dimensions. It is `film.html` with the run written into it as
 //! whole numbers, and needs no other file.
 
-use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
 use tumble::glam::{DQuat, DVec3};
 use tumble::{Energy, Sample};
 
-use super::Outcome;
 use super::mesh::Mesh;
+use super::{Outcome, write_file};
 
 const TEMPLATE: &str = include_str!("film.html");
 /// Placeholder of the run in the template.
@@ -178,8 +177,7 @@ impl Film {
     /// Writes the page.
     pub fn write(&self, path: &Path) -> Outcome<()> {
         let run = serde_json::to_string(&self.run())?;
-        fs::write(path, TEMPLATE.replace(PLACE, &run))?;
-        Ok(())
+        write_file(path, TEMPLATE.replace(PLACE, &run))
     }
 
     fn run(&self) -> Value {

@@ -9,6 +9,7 @@
 )]
 
 mod argument;
+mod file;
 pub mod film;
 pub mod hoop_circle;
 pub mod marked;
@@ -27,6 +28,7 @@ use std::process::ExitCode;
 use lexopt::prelude::*;
 
 pub use argument::{not_both, within};
+pub use file::{cannot, read_text, write_file};
 pub use film::{Camera, Column, Film, Pose, Shot, energies, energy_columns};
 pub use mesh::Mesh;
 pub use page::{Check, Page};

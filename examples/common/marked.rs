@@ -1,16 +1,15 @@
 //! Text of a page between two marks, which a command writes.
 
 use core::error::Error;
-use std::fs;
 use std::path::Path;
 
-use super::say;
+use super::{read_text, say, write_file};
 
 /// Replaces the text between two marks of a page of the repository. In a Rust file it becomes part
 /// of the documentation comment. A page that has this text already is not written.
 pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<dyn Error>> {
     let page = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(page);
-    let old = fs::read_to_string(&page)?;
+    let old = read_text(&page)?;
     let (before, rest) = old.split_once(begin).ok_or("the page has lost its mark")?;
     let (_, after) = rest
         .split_once(end)
@@ -25,7 +24,7 @@ pub fn write(page: &str, [begin, end]: [&str; 2], text: &str) -> Result<(), Box<
     if new == old {
         say(format_args!("unchanged: {}\n", page.display()));
     } else {
-        fs::write(&page, new)?;
+        write_file(&page, new)?;
         say(format_args!("written: {}\n", page.display()));
     }
     Ok(())

@@ -2,10 +2,9 @@
 //! written into it.
 
 use core::fmt::Write as _;
-use std::fs;
 
 use super::picture::{Entry, Mark, Narrow};
-use super::{Film, Options, Outcome, Picture, make_folder, say};
+use super::{Film, Options, Outcome, Picture, make_folder, say, write_file};
 
 const TEMPLATE: &str = include_str!("page.html");
 /// Placeholders of the template.
@@ -40,7 +39,7 @@ impl Page {
             film.write(&folder.join(PLAY))?;
         }
         let page = folder.join(name).with_extension("html");
-        fs::write(&page, self.html()?)?;
+        write_file(&page, self.html()?)?;
         self.print();
         say(format_args!("Written: {}\n", page.display()));
         Ok(self.checks.iter().all(Check::holds))

@@ -1,12 +1,11 @@
 //! Plots, written as SVG and PNG.
 
-use std::fs;
 use std::path::Path;
 
 use kuva::prelude::*;
 use kuva::render::render::{Scene, render_multiple};
 
-use super::Outcome;
+use super::{Outcome, write_file};
 
 /// Colours that colour-blind people can distinguish (Okabe and Ito).
 pub const BLUE: &str = "#0072b2";
@@ -122,9 +121,8 @@ impl Picture {
     /// Writes both files into a folder.
     pub fn write(&self, folder: &Path) -> Outcome<()> {
         let file = folder.join(self.name);
-        fs::write(file.with_extension("svg"), &self.svg)?;
-        fs::write(file.with_extension("png"), &self.png)?;
-        Ok(())
+        write_file(&file.with_extension("svg"), &self.svg)?;
+        write_file(&file.with_extension("png"), &self.png)
     }
 }
 

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::Outcome;
+use super::{Outcome, cannot};
 
 /// Runs `work` with the options, or prints the help text if there are none.
 ///
@@ -46,8 +46,5 @@ pub fn say(text: impl Display) {
 /// Makes a folder, with those above it. A program calls this before its work, so that no work is
 /// lost.
 pub fn make_folder(folder: &Path) -> Outcome<()> {
-    let shown = folder.display();
-    fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder {shown}: {error}"))?;
-    Ok(())
+    Ok(fs::create_dir_all(folder).map_err(cannot("make the folder", folder))?)
 }

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::{Outcome, make_folder, program, say};
+use common::{Outcome, cannot, make_folder, program, say, write_file};
 use indicatif::{ProgressBar, ProgressStyle};
 use lexopt::prelude::*;
 use rayon::prelude::*;
@@ -76,7 +76,7 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
     let shown = run_all(exhibits, &programs, folder)?;
     let cards: String = shown.iter().map(card::html).collect();
     let page = folder.join("index.html");
-    fs::write(&page, TEMPLATE.replace(PLACE, &cards))?;
+    write_file(&page, TEMPLATE.replace(PLACE, &cards))?;
     if arguments.is_written {
         written::write(&shown)?;
     }
@@ -87,7 +87,7 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
         "{} examples in {:.0} s, {:.1} MB\nWritten: {}\n",
         shown.len(),
         begin.elapsed().as_secs_f64(),
-        size(folder)? as f64 * 1e-6,
+        size(folder).map_err(cannot("read", folder))? as f64 * 1e-6,
         page.display()
     ));
     Ok(shown.iter().all(Shown::is_as_expected))

@@ -18,11 +18,10 @@ mod smooth;
 mod upright;
 
 use std::ffi::OsString;
-use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use common::{Outcome, make_folder, marked, not_both, program, say};
+use common::{Outcome, make_folder, marked, not_both, program, read_text, say, write_file};
 
 const HELP: &str = "\
 Counts outcomes and compares them with numbers that are known without this crate. Each fraction has
@@ -232,7 +231,7 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
         is_as_expected &= report.is_as_expected;
         say(format_args!("{}\n", report.text));
         let file = folder.join(format!("{}.md", subject.name));
-        fs::write(&file, &report.text)?;
+        write_file(&file, &report.text)?;
         say(format_args!("Written: {}\n\n", file.display()));
         if arguments.is_written {
             subject.write(size, &report.text)?;
@@ -254,7 +253,7 @@ impl Subject {
             ..
         } = self;
         if size == Size::QUICK {
-            return Ok(fs::write(self.quick_table(), text)?);
+            return write_file(&self.quick_table(), text);
         }
         let begin = format!(
             "<!-- {name}: begin; \
@@ -267,7 +266,7 @@ impl Subject {
     /// Compares the tables of a quick run with the stored ones.
     fn is_stored(&self, text: &str) -> Outcome<bool> {
         let file = self.quick_table();
-        let stored = fs::read_to_string(&file)?;
+        let stored = read_text(&file)?;
         for (before, now) in stored.lines().zip(text.lines()) {
             if before != now {
                 say(format_args!("stored: {before}\nnow:    {now}\n"));

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::fs;
+use std::io::Read;
 use std::path::Path;
 
+use common::cannot;
 use flate2::bufread::GzDecoder;
 use tumble::glam::{DQuat, DVec3};
 
@@ -41,15 +42,14 @@ pub(crate) struct Toss {
 
 /// Reads a table of tosses, compressed or not.
 pub(crate) fn read(path: &Path) -> Result<Vec<Toss>, Box<dyn Error>> {
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    BufReader::new(file).read_to_end(&mut bytes)?;
+    let bytes = fs::read(path).map_err(cannot("read", path))?;
     // Magic number of gzip.
     let tosses = if bytes.starts_with(&[0x1f, 0x8b]) {
         parse(GzDecoder::new(bytes.as_slice()))
     } else {
         parse(bytes.as_slice())
-    }?;
+    };
+    let tosses = tosses.map_err(cannot("read", path))?;
     if tosses.is_empty() {
         return Err(format!("{}: no toss of two samples or more", path.display()).into());
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use common::{Outcome, table};
+use common::{Outcome, cannot, table};
 
 use crate::Hit;
 use crate::flight::{Flight, Moment};
@@ -33,7 +33,16 @@ const HEADER: [&str; 18] = [
 
 /// Writes `bounces.csv` and `trajectories.csv` into a folder.
 pub(crate) fn write(hits: &[Hit], folder: &Path) -> Outcome<()> {
-    let mut bounces = csv::Writer::from_path(folder.join("bounces.csv"))?;
+    let file = folder.join("bounces.csv");
+    bounces(hits, &file).map_err(cannot("write", &file))?;
+    let file = folder.join("trajectories.csv");
+    trajectories(hits, &file).map_err(cannot("write", &file))?;
+    Ok(())
+}
+
+/// Launch, landing and bounce of each shot.
+fn bounces(hits: &[Hit], path: &Path) -> Result<(), csv::Error> {
+    let mut bounces = csv::Writer::from_path(path)?;
     bounces.write_record(HEADER)?;
     for hit in hits {
         for (air, flight) in [("yes", &hit.in_air), ("no", &hit.without_air)] {
@@ -41,7 +50,7 @@ pub(crate) fn write(hits: &[Hit], folder: &Path) -> Outcome<()> {
         }
     }
     bounces.flush()?;
-    trajectories(hits, &folder.join("trajectories.csv"))
+    Ok(())
 }
 
 /// Height of the bottom of the ball over the net's middle, m. Empty if the ball lands before it.
@@ -80,7 +89,7 @@ fn row(hit: &Hit, air: &str, flight: &Flight) -> [String; HEADER.len()] {
 }
 
 /// Motion of each shot every 5 ms.
-fn trajectories(hits: &[Hit], path: &Path) -> Outcome<()> {
+fn trajectories(hits: &[Hit], path: &Path) -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(path)?;
     file.write_record([
         "shot",

@@ -134,8 +134,12 @@ fn parse() -> Result<Option<Arguments>, lexopt::Error> {
 }
 
 impl Arguments {
-    /// Refuses what contradicts itself, and more tosses, files or threads than the bounds.
+    /// Refuses what contradicts itself, an empty name of the folder, and more tosses, files or
+    /// threads than the bounds.
     fn check(&self) -> Result<(), String> {
+        if self.out.as_os_str().is_empty() {
+            return Err("--out must be the name of a folder, got an empty one".into());
+        }
         if self.write && !matches!(self.task, Task::Cost) {
             return Err("--write needs --cost, whose table it writes".into());
         }

@@ -13,7 +13,7 @@ use tumble::ensemble::{Ensemble, Stop, Tally};
 
 use crate::Arguments;
 use crate::scene;
-use common::{Outcome, make_folder, say};
+use common::{Outcome, cannot, make_folder, say};
 
 /// Plays the tosses that no file has, and merges all of them.
 pub(crate) fn play(arguments: &Arguments) -> Outcome<()> {
@@ -80,7 +80,7 @@ fn set_aside(file: &Path, error: &dyn Error) -> Outcome<()> {
         )),
         // Another process has renamed it.
         Err(renamed) if renamed.kind() == ErrorKind::NotFound => {}
-        Err(renamed) => return Err(format!("cannot rename {shown}: {renamed}").into()),
+        Err(renamed) => return Err(cannot("rename", file)(renamed).into()),
     }
     Ok(())
 }
@@ -88,8 +88,7 @@ fn set_aside(file: &Path, error: &dyn Error) -> Outcome<()> {
 /// Files of the parts in a folder, in order.
 fn files(folder: &Path) -> Outcome<Vec<PathBuf>> {
     let mut files = Vec::new();
-    let shown = folder.display();
-    let entries = fs::read_dir(folder).map_err(|error| format!("{shown}: {error}"))?;
+    let entries = fs::read_dir(folder).map_err(cannot("read", folder))?;
     for entry in entries {
         let path = entry?.path();
         if path.to_string_lossy().ends_with(".part.json") {
@@ -104,12 +103,10 @@ fn files(folder: &Path) -> Outcome<Vec<PathBuf>> {
 fn merged(files: &[PathBuf]) -> Outcome<Option<Tally<CoinFace>>> {
     let mut merged: Option<Tally<CoinFace>> = None;
     for file in files {
-        let part = read(file).map_err(|error| format!("{}: {error}", file.display()))?;
+        let part = read(file).map_err(cannot("read", file))?;
         match &mut merged {
             None => merged = Some(part),
-            Some(merged) => merged
-                .merge(&part)
-                .map_err(|error| format!("{}: {error}", file.display()))?,
+            Some(merged) => merged.merge(&part).map_err(cannot("merge", file))?,
         }
     }
     Ok(merged)
@@ -168,7 +165,7 @@ fn write(file: &Path, text: &str) -> Outcome<()> {
     {
         let _ = fs::remove_file(&temporary);
     }
-    Ok(renamed?)
+    Ok(renamed.map_err(cannot("write", file))?)
 }
 
 /// Shows itself only on a terminal.

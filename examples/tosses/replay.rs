@@ -6,7 +6,7 @@ use tumble::{Outcome as Ended, Sample, Timed, UntilDecided};
 
 use crate::Arguments;
 use crate::scene;
-use common::{Camera, Column, Film, Mesh, Outcome, Shot, energy_columns, make_folder, say};
+use common::{Camera, Column, Film, Mesh, Outcome, Shot, cannot, energy_columns, make_folder, say};
 
 /// Time between two shots of the film and two rows of the path, s.
 const INTERVAL: f64 = 0.002;
@@ -22,7 +22,7 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
     ));
     make_folder(&arguments.out)?;
     let path = arguments.out.join("path.csv");
-    let mut rows = csv::Writer::from_path(&path)?;
+    let mut rows = csv::Writer::from_path(&path).map_err(cannot("write", &path))?;
     rows.write_record(HEADER)?;
     let mut camera = Camera::new(INTERVAL);
     let mut written = Ok(());
@@ -39,8 +39,8 @@ pub(crate) fn replay(arguments: &Arguments, toss: u64) -> Outcome<()> {
     let mut both = (Timed::every(INTERVAL, watch)?, UntilDecided::new(barriers));
     let seconds = table.run(&mut state, throw.seconds(), &mut both)?;
     let decided = both.1.outcome();
-    written?;
-    rows.flush()?;
+    written.map_err(cannot("write", &path))?;
+    rows.flush().map_err(cannot("write", &path))?;
     // The observers may not change the motion.
     if decided != outcome {
         return Err(format!("the replay is {decided:?}, the toss was {outcome:?}").into());
