@@ -47,9 +47,10 @@ fn main() -> ExitCode {
 
 /// Prints an error. Returns 2 if the command line is invalid, and 1 for any other error.
 fn complain(error: &(dyn Error + 'static)) -> ExitCode {
-    eprintln!("error: {error}");
+    // If the error cannot be printed, the exit code alone states it.
+    let _ = writeln!(io::stderr(), "error: {error}");
     if error.is::<UsageError>() {
-        eprintln!("The options are listed by --help.");
+        let _ = writeln!(io::stderr(), "The options are listed by --help.");
         return ExitCode::from(2);
     }
     ExitCode::FAILURE

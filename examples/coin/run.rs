@@ -1,6 +1,7 @@
 //! Runs a setup, by an integrator of the library or by the loop of the coin report.
 
 use std::error::Error;
+use std::io::{self, Write};
 use std::time::Instant;
 
 use indicatif::ProgressBar;
@@ -118,7 +119,9 @@ impl StepLimit {
     /// friction in stick.
     fn warn(&self, time_step: f64) {
         if let Some((least, time)) = self.least.filter(|(least, _)| *least < time_step) {
-            eprintln!(
+            // The run goes on if nobody can read the warning.
+            let _ = writeln!(
+                io::stderr(),
                 "warning: the step of {time_step:e} s is longer than {least:.1e} s, the largest \
                  stable one at {time:.2} s"
             );

@@ -2,9 +2,9 @@
 
 use core::fmt::Display;
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::Path;
-use std::process::ExitCode;
+use std::process::{self, ExitCode};
 
 use super::{Outcome, cannot};
 
@@ -24,7 +24,7 @@ pub fn program<T, E: Display>(
             return ExitCode::SUCCESS;
         }
         Err(error) => {
-            eprintln!("error: {error}\nThe options are listed by --help.");
+            complain(format_args!("{error}\nThe options are listed by --help."));
             return ExitCode::from(2);
         }
     };
@@ -32,15 +32,29 @@ pub fn program<T, E: Display>(
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(error);
             ExitCode::FAILURE
         }
     }
 }
 
-/// Prints a text. If nobody reads it, as in a pipe that was closed, the program goes on.
+/// Prints an error. If that is not possible, the exit code alone states it.
+fn complain(error: impl Display) {
+    let _ = writeln!(io::stderr(), "error: {error}");
+}
+
+/// Prints a text. If nobody reads it, as in a pipe that was closed, the program goes on. If it
+/// cannot be written for another reason, such as a full disk, the program ends with the exit code 1.
 pub fn say(text: impl Display) {
-    let _ = write!(io::stdout(), "{text}");
+    let mut output = io::stdout();
+    // Without the flush, the error of a last line without an end would be lost.
+    let written = write!(output, "{text}").and_then(|()| output.flush());
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        complain(format_args!("cannot write the output: {error}"));
+        process::exit(1);
+    }
 }
 
 /// Makes a folder, with those above it. A program calls this before its work, so that no work is

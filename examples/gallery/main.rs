@@ -12,6 +12,7 @@ mod run;
 mod written;
 
 use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -81,7 +82,7 @@ fn work(arguments: &Arguments) -> Outcome<bool> {
         written::write(&shown)?;
     }
     for failed in shown.iter().filter(|shown| !shown.is_as_expected()) {
-        eprintln!("{}: {}", failed.exhibit.name, failed.result());
+        let _ = writeln!(io::stderr(), "{}: {}", failed.exhibit.name, failed.result());
     }
     say(format_args!(
         "{} examples in {:.0} s, {:.1} MB\nWritten: {}\n",
