@@ -44,7 +44,7 @@ fn complain(error: impl Display) {
 }
 
 /// Prints a text. If nobody reads it, as in a pipe that was closed, the program goes on. If it
-/// cannot be written for another reason, such as a full disk, the program ends with the exit code 1.
+/// cannot be written for another reason, such as a full disk, the program ends with exit code 1.
 pub fn say(text: impl Display) {
     let mut output = io::stdout();
     // Without the flush, the error of a last line without an end would be lost.

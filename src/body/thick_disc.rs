@@ -42,8 +42,8 @@ use crate::state::State;
 /// - The accuracy on each rim is that of a [`Disc`](super::Disc), whose limits hold here too.
 /// - The edge is sharp. A coin with a bevel stands less well.
 /// - On a plane at rest, the coin of thickness h and radius r stands on its edge only if its lowest
-///   points penetrate by less than `3 h²/(8 r)`, for thin coins: to 1 % up to a thickness of a fifth
-///   of the radius. A coin as thick as its radius stands up to 1.11 of that.
+///   points penetrate by less than `3 h²/(8 r)`, for thin coins: to 1 % up to a thickness of a
+///   fifth of the radius. A coin as thick as its radius stands up to 1.11 of that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThickDisc<R: Real = f64> {
     mass: R,

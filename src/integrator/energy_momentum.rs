@@ -116,9 +116,9 @@ pub use workspace::Workspace;
 /// - *Order* 2, also at touch-downs: the mean force over the step integrates the discontinuity of
 ///   the damper force. The order is 1 in these cases: a friction law of your own that jumps to 0
 ///   with the load, at a touch-down, a contact that crosses an edge of a [`Block`](crate::Block) or
-///   of a [`FrictionPatch`](crate::FrictionPatch), a round rim with dampers ([`Disc`](crate::Disc)),
-///   and a smooth body in a valley that is more curved than itself, whose force has no potential
-///   ([`Ellipsoid`](crate::Ellipsoid)).
+///   of a [`FrictionPatch`](crate::FrictionPatch), a round rim with dampers
+///   ([`Disc`](crate::Disc)), and a smooth body in a valley that is more curved than itself, whose
+///   force has no potential ([`Ellipsoid`](crate::Ellipsoid)).
 /// - *Two laws act otherwise* than in explicit methods, at any step size: a friction whose force
 ///   leaves the surface ([`AnisotropicCoulomb`](crate::AnisotropicCoulomb) away from its plane),
 ///   and a torque about an axis without inertia (a [`Rod`](crate::Rod) with
@@ -161,9 +161,9 @@ pub use workspace::Workspace;
 ///   divided. A body on a slope α then moves by up to `g sin α dt²/2`.
 /// - *Dampers and friction of any size* stop a body that falls on them. A body that starts in the
 ///   ground on dampers with `dt c/m` above 1e4 may move as if they were weaker: sink at up to
-///   `g dt`, or leave a compressed spring at a part of a free spring's speed. A resistance `c` with `dt c/m` above
-///   `1/(64 EPSILON)`, 7e13 in `f64` and 1.3e5 in `f32`, may act as one of that size, so that the
-///   body sinks or creeps at up to `64 EPSILON g dt`.
+///   `g dt`, or leave a compressed spring at a part of a free spring's speed. A resistance `c` with
+///   `dt c/m` above `1/(64 EPSILON)`, 7e13 in `f64` and 1.3e5 in `f32`, may act as one of that
+///   size, so that the body sinks or creeps at up to `64 EPSILON g dt`.
 /// - *Cost of the worst step* is bounded: at most 31 attempts of at most 6 × 60 evaluations each.
 ///   At most 4 downhill searches of at most 3 × 31 × 4 evaluations come in addition. Each end costs
 ///   one evaluation of the energy, and one more for each doubling of the excess energy. In contact,

@@ -25,10 +25,10 @@ use crate::state::State;
 /// microcontrollers. The rotation in flight is exact to rounding, for any moments of inertia.
 ///
 /// *May add energy.* Without dampers, friction and applied forces the energy oscillates by O(dt)
-/// while the same contacts touch. A bounce changes it by a fraction from `-x` to `x/(1-x)` with
+/// while the same contacts touch. A bounce changes it by a fraction from `-x` to `x/(1-x)`, where
 /// `x = (dt ω)²/4`, as the phase of its touch-down has it. Over many bounces the energy is a random
-/// walk, which may end at many times the first energy. A force that rotates the velocity at a rate ω, such as
-/// [lift](crate::SpinLift), multiplies the velocity by `√(1 + (dt ω)²)` in each step.
+/// walk, which may end at many times the first energy. A force that rotates the velocity at a rate
+/// ω, such as [lift](crate::SpinLift), multiplies the velocity by `√(1 + (dt ω)²)` in each step.
 ///
 /// *Stable* for `dt < 2 (√(1+ζ²) - ζ)/ω` with `ζ = δ/2ω`. Here ω and δ are the highest frequency
 /// and damping rate that the contacts give the body at their arms (see
