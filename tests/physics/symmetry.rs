@@ -870,7 +870,7 @@ fn an_invalid_session_is_refused_when_it_is_resumed() {
 fn without_one_key(good: &serde_json::Value, map: &str) -> Vec<(String, serde_json::Value)> {
     let entries = |value: &mut serde_json::Value| {
         let found = value.pointer_mut(map).unwrap();
-        std::mem::take(found.as_object_mut().unwrap())
+        core::mem::take(found.as_object_mut().unwrap())
     };
     let whole = entries(&mut good.clone());
     let mut found = Vec::new();
