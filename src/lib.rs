@@ -193,7 +193,9 @@
 //! provided, what the check tests, and a complete example. `tests/downstream` in the repository is
 //! a crate with one part of each role. Parts are taken by value, by reference, behind `&dyn` or in
 //! a `Box<dyn …>`. Every type has the number type as a parameter ([`Real`]), `f64` by default or
-//! `f32`. The modules [`mod@f64`] and [`mod@f32`] contain the names for one precision.
+//! `f32`. The modules [`mod@f64`] and [`mod@f32`] contain the names for one precision. Import names
+//! one by one rather than `tumble::*` and `tumble::glam::*` together: both have these modules, and
+//! the compiler warns at each `f64`.
 //!
 //! # Features
 //!

@@ -37,7 +37,9 @@ impl HullFace {
     ///
     /// It is also `None` if the facet cannot be separated from its neighbour. Then some contacts
     /// are on the plane of one and just off the plane of the other. This occurs for a face with
-    /// noise of 1e-5 of the hull's size, and for a very flat body.
+    /// noise of 1e-5 of the hull's size, and for a very flat body. For noise of 3e-6 to 6e-5 it may
+    /// be `None` for some directions of a facet alone, and the body may rest on one of them. A body
+    /// that was decided before is still on that facet: keep the first decision.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
     /// of its neighbour is lower than it could be. A face whose corners have more noise than 1e-5
