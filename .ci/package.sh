@@ -14,7 +14,7 @@ if grep -vxE "$allowed" <<<"$files"; then
   echo "the files above have no place in the package"
   exit 1
 fi
-if grep -E '^(tests/(downstream|no_std|bits|fuzz|half_done|limits|mutants|parts|validation|web)/|tests/fuzz\.rs$|tests/public_api\.txt$|out/)' <<<"$files"; then
+if grep -E '^(tests/(downstream|no_std|bits|fuzz|half_done|limits|mutants|parts|validation|web)/|tests/(fuzz|layering)\.rs$|tests/public_api\.txt$|out/)' <<<"$files"; then
   echo "the files above are for the repository alone"
   exit 1
 fi
