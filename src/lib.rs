@@ -132,8 +132,8 @@
 //! | | order | force evaluations a step | conserves | may add energy | stable for |
 //! |---|---|---|---|---|---|
 //! | [`EnergyMomentum`] | 2 | 2 to 5 in contact, each at twice the cost; none in flight | energy, if nothing dissipates it | never | every step |
-//! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift in lasting contact; flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
-//! | [`SymplecticEuler`] | 1 | 1 | energy without drift in lasting contact; rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
+//! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift (no bounces); flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
+//! | [`SymplecticEuler`] | 1 | 1 | energy without drift (no bounces); rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
 //! | [`Rk4`] | 4, and 1 through touch-downs | 4 | - | O(dt⁵) a step | `dt < 2.62/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
 //! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | - | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
 //! | [`BogackiShampine32`] | 3 | 3 | - | by its error | any tolerance: the step size is adaptive |

@@ -490,7 +490,7 @@ impl<R: Real> Openings<'_, R> {
     }
 
     /// Leaves out what is beyond the first and the last point of opening, if nothing pushes there.
-    /// That needs an end that separates.
+    /// Nothing can be left out at an end that does not separate.
     #[inline(always)]
     fn leave_out(&self, ends: [bool; 2], discontinuities: &mut Discontinuities<R>) {
         let found = discontinuities.places.get(..discontinuities.count);
