@@ -27,6 +27,9 @@ macro_rules! names_for {
             pub type AnisotropicCoulomb = crate::AnisotropicCoulomb<$real>;
             /// The default integrator with a tolerance instead of a step size.
             pub type AdaptiveEnergyMomentum = crate::AdaptiveEnergyMomentum<$real>;
+            /// The default integrator with memory for `CONTACTS` contacts.
+            pub type CompactEnergyMomentum<const CONTACTS: usize> =
+                crate::CompactEnergyMomentum<CONTACTS, $real>;
             /// Nyström's method with a tolerance instead of a step size.
             pub type AdaptiveNystrom = crate::AdaptiveNystrom<$real>;
             /// Radau's implicit method of order 5.
@@ -39,6 +42,8 @@ macro_rules! names_for {
             pub type Axes = crate::rotation::Axes<$real>;
             /// Height field of a bowl, a trough, a hill or a saddle.
             pub type Bowl = crate::Bowl<$real>;
+            /// Surface of a box, from outside.
+            pub type Block = crate::Block<$real>;
             /// Mass of a body and number of contacts that support it.
             pub type Carried = crate::Carried<$real>;
             /// Speed at touch-down and restitution of a bounce.
@@ -250,8 +255,14 @@ macro_rules! names_for {
     };
 }
 
-names_for!(f32, "Every name of the crate in single precision.");
-names_for!(f64, "Every name of the crate in double precision.");
+names_for!(
+    f32,
+    "Bodies, grounds, laws, integrators and results in single precision."
+);
+names_for!(
+    f64,
+    "Bodies, grounds, laws, integrators and results in double precision."
+);
 
 #[cfg(test)]
 mod tests {

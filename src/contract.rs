@@ -340,7 +340,7 @@ pub enum Input {
         seconds: f64,
     },
     /// Sliding contact.
-    #[error("at {position} m under {normal_force:e} N at a slip of {slip} m/s")]
+    #[error("at {position} m under {normal_force:e} N at a slip of {} m/s", Exponents(*slip))]
     Slide {
         /// Position of the contact, m, world axes.
         position: DVec3,
@@ -369,6 +369,16 @@ pub enum Input {
         /// Limit of the step, s.
         limit: f64,
     },
+}
+
+/// Displays a vector with exponents. Without them, 1e-150 has 152 digits.
+struct Exponents(DVec3);
+
+impl fmt::Display for Exponents {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let DVec3 { x, y, z } = self.0;
+        write!(f, "[{x:e}, {y:e}, {z:e}]")
+    }
 }
 
 /// Returns `Ok` if a requirement holds, otherwise its violation.

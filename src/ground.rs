@@ -306,10 +306,11 @@ pub struct MeanForce<R: Real = f64> {
     pub force: R,
     /// Derivative of the force with respect to the depth at the end, N/m, at least 0.
     pub slope: R,
-    /// Contribution of the springs to the slope, N/m, at least 0.
+    /// Part of the slope that does not act through the closing speed, N/m, at least 0: `k/2` for
+    /// a linear spring. An estimate if the damper's force depends on the depth.
     pub stiffness: R,
-    /// Derivative of the dampers' force with respect to the closing speed, averaged over the step,
-    /// N s/m, at least 0.
+    /// Damping coefficient averaged over the step, N s/m, at least 0: `c` for a linear damper. An
+    /// estimate, such as force per speed, if the damper's force is not proportional to the speed.
     pub damping: R,
 }
 

@@ -131,10 +131,10 @@
 //!
 //! | | order | force evaluations a step | conserves | may add energy | stable for |
 //! |---|---|---|---|---|---|
-//! | [`EnergyMomentum`] | 2 | 2 to 5 in contact, each at twice the cost; none in flight | energy, if nothing dissipates it | never | every step |
+//! | [`EnergyMomentum`] | 2 | 2 to 5 in contact, each at twice the cost; none in flight | energy, if nothing dissipates it | never | every step; `dt < 2/ω` on springs of an applied force |
 //! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift (no bounces); flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
 //! | [`SymplecticEuler`] | 1 | 1 | energy without drift (no bounces); rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
-//! | [`Rk4`] | 4, and 1 through touch-downs | 4 | - | O(dt⁵) a step | `dt < 2.62/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
+//! | [`Rk4`] | 4, and 1 through touch-downs | 4 | - | O(dt⁵) a step | `dt < 2.61/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
 //! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | - | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
 //! | [`BogackiShampine32`] | 3 | 3 | - | by its error | any tolerance: the step size is adaptive |
 //! | [`DormandPrince54`] | 5 | 6 | - | by its error | any tolerance: the step size is adaptive |

@@ -403,7 +403,8 @@ where
     /// Largest step size (s) for which the integrator is stable on the contacts that touch in
     /// `state` and under the applied force. Returns `None` if there is no bound: an implicit or
     /// adaptive integrator, a body in flight without an applied force, or a state that is not
-    /// finite.
+    /// finite. [`EnergyMomentum`](crate::EnergyMomentum) has a bound under an applied force that
+    /// depends on the pose: that of [`StrangSplitting`](crate::StrangSplitting) without a ground.
     ///
     /// The bound follows from the stiffness, the damping and the friction of all contacts together,
     /// with their lever arms and the inertia of the body. The applied force counts by its
@@ -424,17 +425,14 @@ where
     ///   bound by contacts. The bound by quadratic drag decreases as the speed increases.
     /// * The bound does not include rotation. In contact, a step should rotate the body by much
     ///   less than 1 rad.
-    /// * The bound is proven for contacts that stick or slide, not in between: where the damping by
-    ///   friction across the slip, `μ N/slip`, is comparable with the damping or the stiffness
-    ///   along the normal. With [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long
-    ///   because of friction.
-    /// * The bound takes the frequencies of the body on its contacts as real. A body that slides on
-    ///   several contacts may have a pair of complex ones, whose slow motion grows or decays. The
-    ///   bound can then be too long by a factor of two for [`ForwardEuler`](crate::ForwardEuler),
-    ///   and by a third for the other methods but [`Rk4`](crate::Rk4).
-    /// * Under a force that depends on the pose, such as a thrust that turns with the body or a
-    ///   spring with hardly a damper, the bound of `ForwardEuler` and `Nystrom` can be 0, or many
-    ///   times too short, where longer steps are stable.
+    /// * For [`ForwardEuler`](crate::ForwardEuler) and [`Rk4`](crate::Rk4), the bound holds for
+    ///   every motion of the body on its contacts and forces. For the other methods it is proven
+    ///   for contacts that stick or slide, not in between: where the damping by friction across the
+    ///   slip, `μ N/slip`, is comparable with the damping or the stiffness along the normal. With
+    ///   [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long because of friction or
+    ///   dampers that differ.
+    /// * A motion that grows by itself has no bound, such as a fall from a balance, or the flutter
+    ///   of a body that slides. Neither has a motion a thousand times slower than the fastest.
     /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, counts as
     ///   a damper of that rate. This is right for [`Rk4`](crate::Rk4) and
     ///   [`Nystrom`](crate::Nystrom). The other explicit methods have no stable step under such a

@@ -33,6 +33,10 @@ use crate::state::State;
 /// - With shorter steps, the result tends to that of [`Rk4`]: within four times the last change. If
 ///   the method takes shorter steps than the limit, it must agree to a twentieth of the motion.
 ///
+/// *Limits:* no scene has an applied force, a ground that moves, or resistance to rolling. A method
+/// that forgets one of them passes, and so does one with a wrong `fixed_step` or
+/// `largest_stable_step`.
+///
 /// ```
 /// use tumble::contract::{CheckPlan, check_integrator};
 /// check_integrator(&tumble::Rk4 { time_step: 1e-3 }, CheckPlan::default())?;

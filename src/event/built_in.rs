@@ -113,6 +113,9 @@ impl<R: Real> Event<R> for ContactOpens {
 /// falling. The friction laws are finite at zero slip, so a slip decreases to a creep and does not
 /// vanish. Choose a speed of some slip speeds of the law, above that of the creep. A body in flight
 /// has no slip to end. If it touches down without slip, the event occurs at the touch-down.
+///
+/// *Limit:* the slip jumps where another contact becomes the lowest. A jump below the speed counts
+/// as an end of the slip, also while other contacts slip faster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipEnds<R: Real = f64> {
     speed: R,

@@ -24,7 +24,7 @@ use crate::real::Real;
 /// *Limit:* a shape is one surface. Consider a groove of two planes at a right angle, where the gap
 /// is the distance to the nearest plane. The ground then pushes a ball along one normal at a time.
 /// Two surfaces push with `k d` each and lift with `√2 k d`. One surface lifts with `k d/√2`, so
-/// the ball penetrates twice as deep: 1.9 mm instead of 0.98 mm for 1 kg on 7071 N/m. A groove is
+/// the ball penetrates twice as deep: 1.96 mm instead of 0.98 mm for 1 kg on 7071 N/m. A groove is
 /// therefore a ground of [several surfaces](crate::SpringDamperGround#several-surfaces).
 ///
 /// ```

@@ -127,8 +127,11 @@ pub use workspace::Workspace;
 ///   is a step whose equations have no solution even in its smallest parts (reported by
 ///   `fallback`). It may lose any part of the energy. Such steps are rare, and need hard ground
 ///   (*long steps*).
-/// - *Stable* for any step size. A step in which free motion would exceed 1e25 sizes of the body
-///   may return [`StepTooLong`](crate::StepError::StepTooLong).
+/// - *Stable* for any step size on the ground and under drag. Under an applied force that depends
+///   on the pose, such as a spring of your own, it is stable for `dt < 2/ω` with the frequency ω
+///   that the force gives the body: half of the force acts at each end of the step. Beyond that
+///   the motion grows, by the work of the force. A step in which free motion would exceed 1e25
+///   sizes of the body may return [`StepTooLong`](crate::StepError::StepTooLong).
 /// - *Accurate* if the step resolves the contact: `dt < 1/ω` for the step size `dt`, with
 ///   `ω = √(K/m)`, the mass `m`, and the stiffness `K` of all contacts that touch. With longer
 ///   steps, a bounce without dampers still conserves its energy, but its timing is wrong. A bounce

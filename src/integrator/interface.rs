@@ -191,13 +191,14 @@ impl<R: Real> StepControl<R> {
     /// Checks that both numbers are valid.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the length or the error is not above 0, or not finite.
+    /// Returns [`SceneError`] if the length is not above 0, if the error is below 0, or if one of
+    /// them is not finite.
     pub fn check(&self) -> Result<(), SceneError> {
         if let Some(length) = self.next_step {
             error::above_zero("length of the next step", length, " s")?;
         }
         if let Some(error) = self.last_error {
-            error::above_zero("error of the last step", error, "")?;
+            error::at_least_zero("error of the last step", error, "")?;
         }
         Ok(())
     }

@@ -122,12 +122,9 @@ impl<R: Real> Observer<R> for UntilRest<R> {
         let elapsed = before
             .filter(|_| !begins)
             .map_or(R::ZERO, |seen| time - seen.time);
-        let still = self.still + elapsed;
-        let stays = before.filter(|seen| {
-            self.stays(seen, &now, elapsed)
-                && (still < self.seconds || !Self::spins(sample, elapsed))
-        });
-        self.still = stays.map_or(R::ZERO, |_| still);
+        let stays =
+            before.filter(|seen| self.stays(seen, &now, elapsed) && !Self::spins(sample, elapsed));
+        self.still = stays.map_or(R::ZERO, |_| self.still + elapsed);
         self.seen = Some(Seen {
             moved: stays.map_or(now, |seen| seen.moved),
             last: now,

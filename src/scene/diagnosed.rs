@@ -25,6 +25,13 @@ use crate::state::Motion;
 /// times the tolerance of `check_friction`.
 const POWER: f64 = 64.0;
 
+/// Power (W) that may be rounding of a product of a force and a velocity, for the product of their
+/// lengths. Products may also underflow: then they are far below half of the smallest normal
+/// number.
+fn rounding_of_power<R: Real>(product: R) -> R {
+    product * (R::EPSILON * R::from_f64(POWER)) + R::ONE / R::MAX
+}
+
 /// Values that break a contract.
 #[derive(Clone, Copy, Debug)]
 struct Findings<R> {
@@ -153,7 +160,7 @@ impl<R: Real> Record<R> {
             return;
         }
         let (size, power) = (force.length(), force.dot(slip));
-        let rounding = size * slip.length() * (R::EPSILON * R::from_f64(POWER));
+        let rounding = rounding_of_power(size * slip.length());
         if !force.is_finite() {
             self.note(LawQuantity::FrictionForce, size);
         } else if power > rounding {
@@ -172,7 +179,7 @@ impl<R: Real> Record<R> {
         let (force, torque) = (wrench.force.length(), wrench.torque.length());
         let power = wrench.power(motion);
         let terms = force * velocity.length() + torque * spin.length();
-        let rounding = terms * (R::EPSILON * R::from_f64(POWER));
+        let rounding = rounding_of_power(terms);
         if !wrench.force.is_finite() {
             self.note(LawQuantity::AppliedForce, force);
         } else if !wrench.torque.is_finite() {

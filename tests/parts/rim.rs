@@ -15,8 +15,9 @@ use tumble::f64::{Coin, Disc, Rim, State, Trial};
 use tumble::glam::{DMat3, DQuat, DVec3};
 use tumble::{
     ContactPoint, Coulomb, DormandPrince54, Dynamics, EnergyMomentum, FlatGround, Frictionless,
-    Integrator, Motion, Nystrom, Plane, RigidPointBody, Rk4, SceneQuery, SlidingFriction,
-    SmoothCoulomb, SpringDamperGround, StrangSplitting, UniformGravity,
+    Ground, Integrator, Motion, Nystrom, Plane, RigidPointBody, Rk4, SceneQuery, SlidingFriction,
+    SmoothCoulomb, SpringDamper, SpringDamperGround, StrangSplitting, Terrain, UniformGravity,
+    Waves,
 };
 
 const RADIUS: f64 = 0.5;
@@ -230,8 +231,24 @@ fn leans() -> impl Strategy<Value = f64> {
     prop_oneof![-1.5..1.5_f64, flat]
 }
 
-/// Deviation of a load from the integral of the laws over the rim, relative to the force, and the
-/// force relative to that of the springs alone.
+/// Deviation of the load of a ring of 120 points from the integral of the laws over its rim,
+/// relative to the force, and the force relative to that of the springs alone.
+fn deviation(
+    scene: &impl Dynamics,
+    (ground, friction): (&impl SpringDamperGround, &impl SlidingFriction),
+    state: &State,
+) -> [f64; 2] {
+    let motion = scene.motion(state);
+    let load = scene.load(&motion);
+    let [force, torque] = integrated(ground, friction, &motion, 120.0);
+    let apart = (load.force - force).length() + (load.torque - torque).length() / RADIUS;
+    let still = State::at(state.position).with_orientation(state.orientation);
+    let springs = scene.load(&scene.motion(&still)).force;
+    let share = force.length() / springs.length();
+    [apart / (force.length() + 1e-6), share]
+}
+
+/// Deviations of random states on a plane.
 ///
 /// The cases are a short arc, a long one or a whole rim, on a level or a tilted plane, with and
 /// without dampers. Friction reverses on the arc, next to it or far from it, for slip speeds from
@@ -273,14 +290,7 @@ fn load_errors(states: usize) -> Vec<[f64; 2]> {
         let there = DVec3::new(slip.0 * slip.1.cos(), slip.0 * slip.1.sin(), rising);
         let velocity = DQuat::from_rotation_y(slope.atan()) * there - spin.cross(arm);
         let state = stepper.with_angular_velocity(state.with_linear_velocity(velocity), spin);
-        let motion = stepper.scene().motion(&state);
-        let load = stepper.scene().load(&motion);
-        let [force, torque] = integrated(&ground, &friction, &motion, 120.0);
-        let apart = (load.force - force).length() + (load.torque - torque).length() / RADIUS;
-        let still = State::at(state.position).with_orientation(state.orientation);
-        let springs = stepper.scene().load(&stepper.scene().motion(&still)).force;
-        let share = force.length() / springs.length();
-        [apart / (force.length() + 1e-6), share]
+        deviation(stepper.scene(), (&ground, &friction), &state)
     };
     let drawn: Vec<_> = (0..states).map(draw).collect();
     drawn.into_iter().map(one).collect()
@@ -301,6 +311,61 @@ fn the_load_is_the_integral_of_the_laws_over_the_rim() {
     let pushed = loads.iter().filter(|[_, share]| *share > 0.02);
     let worst = pushed.fold(0.0_f64, |worst, [error, _]| worst.max(*error));
     assert!(worst < 1e-4, "{worst:e}");
+}
+
+/// On hills the normal turns along the arc, and the point at which dampers open the contact is
+/// found for one normal. The hills have 4 to 40 radii from crest to crest and slopes of up to 0.4.
+/// About 12 % of the states have a larger error than the 2e-7 of a plane. Of 300, 20 % may have it;
+/// a share of 27 % fails in 99 of 100 runs.
+#[test]
+fn on_smooth_hills_the_load_is_that_of_the_laws_to_the_stated_error() {
+    let strategy = (
+        (-1.4..1.4_f64, -2.0..2.0_f64, 0.0..TAU),
+        (log_uniform(4.0, 40.0), log_uniform(0.02, 0.4)),
+        log_uniform(1e-3, 0.05),
+        prop::array::uniform6(-2.0..2.0_f64),
+        prop_oneof![Just(0.0), Just(0.5)],
+    );
+    let mut runner = TestRunner::new(cases(1));
+    let mut one = || {
+        let ((lean, place, turn), (length, slope), depth, speeds, damping) =
+            strategy.new_tree(&mut runner).unwrap().current();
+        let hills = Waves {
+            amplitude: slope * length * RADIUS / TAU,
+            length: length * RADIUS,
+        };
+        let law = SpringDamper {
+            stiffness: 1000.0,
+            damping,
+        };
+        let ground = Ground {
+            shape: Terrain::of(hills),
+            law,
+        };
+        let friction = Coulomb {
+            coefficient: 0.3,
+            slip_speed: 1e-3,
+        };
+        let disc = Disc::ring(1.0, RADIUS, 120);
+        let stepper = scene!(disc, ground, friction, Rk4 { time_step: 1e-3 });
+        let turn = DQuat::from_rotation_z(turn) * DQuat::from_rotation_y(lean);
+        let above = State::at(DVec3::new(place, 0.0, 3.0)).with_orientation(turn);
+        let [x, y, z, a, b, c] = speeds;
+        let mut state = above.with_linear_velocity(DVec3::new(x, y, 0.3 * z));
+        // The gap is measured along the normal, and the next gap from another point.
+        for _ in 0..20 {
+            let gap = stepper.lowest_point(&state).unwrap().gap;
+            state.position.z -= gap + depth * RADIUS;
+        }
+        let state = stepper.with_angular_velocity(state, DVec3::new(a, b, c));
+        deviation(stepper.scene(), (&ground, &friction), &state)
+    };
+    let loads: Vec<[f64; 2]> = (0..300).map(|_| one()).collect();
+    let large = loads.iter().filter(|[error, _]| *error > 2e-7).count();
+    assert!(large <= 60, "{large} of 300");
+    let pushed = loads.iter().filter(|[_, share]| *share > 0.02);
+    let worst = pushed.fold(0.0_f64, |worst, [error, _]| worst.max(*error));
+    assert!(worst < 1e-3, "{worst:e}");
 }
 
 /// Friction reverses at the lowest point of a rim that spins there, also if that point is at rest

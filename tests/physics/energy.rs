@@ -582,6 +582,44 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(kit::cases(100))]
+
+    /// A body that slides on several contacts, in balance under Coulomb's friction, may have pairs
+    /// of complex frequencies. A step below the limit amplifies nothing by more than the motion
+    /// itself does, which may fall from its balance. The factors are known to 2e-4.
+    #[test]
+    fn a_step_below_the_limit_grows_no_more_than_the_motion_of_a_body_that_slides(
+        kind in 0..4_usize,
+        (axis, angle) in (prop::sample::select(DVec3::AXES.to_vec()), -3.0..3.0_f64),
+        turn in prop_oneof![2 => Just(DQuat::IDENTITY), 1 => kit::orientations()],
+        tilt in (-0.5..0.5_f64, -0.5..0.5_f64),
+        ratio in log_uniform(0.03, 1.0),
+    ) {
+        let body = leaning_body(kind);
+        let plane = Plane::through(DVec3::ZERO, DVec3::new(tilt.0, tilt.1, 1.0));
+        let turn = DQuat::from_axis_angle(axis, angle) * turn;
+        let turn = DQuat::from_rotation_arc(DVec3::Z, plane.normal) * turn;
+        let ground = Layered { stiffness: 1e6, damping: 2e3 * ratio, plane };
+        let (stepper, state, coulomb) = balanced(&*body, turn, ground, Balance::Coulomb, 0.0);
+        prop_assume!(coulomb < 2.0);
+        let exact = stepper.with_integrator(Rk4 { time_step: 1e-5 }).unwrap();
+        each_explicit!(1e-9, |integrator, method| {
+            let own = stepper.with_integrator(integrator).unwrap();
+            let limit = own.largest_stable_step(&state).unwrap();
+            let factor_of = |step: &dyn Fn(&mut State)| factor_of_a_step(step, &state, limit);
+            let of_motion = factor_of(&|state| { exact.advance(state, limit).unwrap(); });
+            let step = kit::with_time_step(integrator, 0.98 * limit);
+            let stepper = stepper.with_integrator(step).unwrap();
+            let of_step = factor_of(&|state| { stepper.step(state).unwrap(); });
+            prop_assert!(
+                of_step < of_motion.max(1.0) + 3e-4,
+                "{method}: a step of {limit:e} s amplifies by {of_step}, the motion by {of_motion}"
+            );
+        });
+    }
+}
+
 /// Energy after so many steps over that of a small disturbance: a plate of 40 x 30 x 2 cm that
 /// rests on the springs of its four lower corners. It rocks about its edges at up to √3 of the
 /// frequency at which it moves up and down.

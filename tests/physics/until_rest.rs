@@ -142,6 +142,22 @@ fn a_body_that_turns_whole_revolutions_in_each_step_does_not_rest() {
     }
 }
 
+/// The last step of a run can be so short that the body hardly rotates in it.
+#[test]
+fn a_body_that_turned_a_whole_revolution_before_a_short_step_does_not_rest() {
+    let (revolution, rest_of_time) = (0.25, 1e-6);
+    let flight = Flight(EnergyMomentum { time_step: 1e-3 });
+    let ball = Stepper::new(Sphere::solid(1.0, 0.05)).unwrap();
+    let ball = ball.with_integrator(flight).unwrap();
+    let spin = DVec3::Z * (TAU / revolution);
+    let mut state = ball.with_angular_velocity(State::at(DVec3::ZERO), spin);
+    let mut rest = UntilRest::new(ball.body(), DISTANCE, revolution + rest_of_time).unwrap();
+    for seconds in [revolution, 2.0 * rest_of_time] {
+        ball.run(&mut state, seconds, &mut rest).unwrap();
+        assert!(!rest.is_reached(), "after {seconds} s");
+    }
+}
+
 /// Frame by frame it counts on; a body at rest costs no step, and one that is pushed wakes.
 #[test]
 fn frames_count_together_and_a_push_wakes() {

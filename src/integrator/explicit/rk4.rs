@@ -26,7 +26,7 @@ use crate::state::State;
 ///
 /// *May add energy* by O(dt⁵) per step in smooth motion.
 ///
-/// *Stable* for `dt < 2.62/ω` and `dt < 2.78/δ`, and up to `2.83/ω` without dampers. Here ω and δ
+/// *Stable* for `dt < 2.61/ω` and `dt < 2.78/δ`, and up to `2.83/ω` without dampers. Here ω and δ
 /// are the highest frequency and damping rate that the contacts give the body at their arms (see
 /// [integrators](crate#integrators)).
 /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a

@@ -251,7 +251,8 @@ impl<R: Real> Control<R> {
     pub(in crate::integrator::adaptive) fn carrying(control: StepControl<R>) -> Self {
         Self {
             next: control.next_step,
-            last: control.last_error,
+            // An error of 0 says nothing of the next step.
+            last: control.last_error.filter(|&error| error > R::ZERO),
             ..Self::default()
         }
     }
