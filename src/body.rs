@@ -50,7 +50,6 @@ pub use cone::Cone;
 pub use cuboid::{Cuboid, CuboidFace};
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
-pub(crate) use hull::Hull;
 pub use mass_properties::MassProperties;
 pub use point_cloud::PointCloud;
 pub use rim::Rim;

@@ -36,6 +36,7 @@
 
 mod built_in;
 mod hull;
+mod noisy_hull;
 mod springs;
 
 pub use hull::HullFace;

@@ -104,6 +104,14 @@ pub trait Real:
     /// Returns 0 for any value that is not above 0, including NaN.
     #[must_use]
     fn floor_index(self) -> usize;
+    /// Returns the number without its fraction, or the nearest integer of this type. 0 for NaN.
+    #[doc(hidden)]
+    #[must_use]
+    fn whole(self) -> i64;
+    /// Returns the nearest number of this type. No integer is beyond the largest one.
+    #[doc(hidden)]
+    #[must_use]
+    fn from_whole(value: i128) -> Self;
     /// Last 32 bits of the number as it is stored.
     #[doc(hidden)]
     #[must_use]
@@ -325,6 +333,18 @@ macro_rules! implement_real {
             )]
             fn floor_index(self) -> usize {
                 self as u32 as usize
+            }
+            #[inline]
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "`as` saturates and converts NaN to 0"
+            )]
+            fn whole(self) -> i64 {
+                self as i64
+            }
+            #[inline]
+            fn from_whole(value: i128) -> Self {
+                value as $real
             }
             #[inline]
             #[allow(

@@ -1,49 +1,43 @@
 //! Convex hull of points, as a solid.
+//!
+//! Decisions about facets are exact, so that the facets close, whatever the rounding. They are made
+//! for points on a grid of integers, whose cells are below the rounding of sums over the facets.
+
+mod exact;
+
+use core::cmp::Ordering;
 
 use super::mass_properties::{Volume, check_vertices, no_vertex};
 use super::{ContactPoint, MassProperties, Solid};
 use crate::error::SceneError;
-use crate::real::{Real, Vector};
+use crate::real::{Matrix, Real, Vector};
+use exact::{CELLS, GridPlane, Node, is_between};
 
 impl<R: Real> MassProperties<R> {
     /// Mass properties of the homogeneous solid within the convex hull of points.
     ///
-    /// Mass in kg, points in m, in any order. Interior points and duplicates have no effect.
+    /// Mass in kg, points in m, in any order. Interior points, points within a facet or an edge,
+    /// and duplicates have no effect.
     ///
     /// Facets are found by rotating a plane about each edge (gift wrapping). They are summed as
-    /// those of a [`mesh`](Self::mesh). This takes about `n³` operations for n points, once, and no
-    /// memory. Points within 256 units in the last place of the hull's size from a facet's plane
-    /// belong to the facet. If the facets do not meet, other distances from 16 to 4096 units are
-    /// tried.
+    /// those of a [`mesh`](Self::mesh). Which points are on a facet is decided in exact integer
+    /// arithmetic, so that the facets close for any points. This takes about `n³` such decisions
+    /// for n points, once, and no memory.
     ///
     /// # Errors
     /// Returns [`SceneError`] if the mass or a coordinate is not finite, if there is no point, or
-    /// if the points lie in a plane, so that the hull has no volume. It also returns one if the
-    /// facets do not meet at any of these distances, because points almost in a plane are too many.
+    /// if the points lie in a plane, so that the hull has no volume. They do if the volume is at
+    /// most 128 ε times the surface of the hull and its size, with ε = 2.2e-16 (1.2e-7 in `f32`). A
+    /// box that thin has edges of at most 256 units in the last place of its size.
     pub fn hull<V: Vector<R>>(mass: R, points: &[V]) -> Result<Self, SceneError>
     where
         R: Real<Vec3 = V>,
     {
         check_vertices::<R>(points)?;
         let tip = points.first().ok_or_else(no_vertex)?;
-        let within = |units: f64| {
-            let hull =
-                Hull::<R, V>::within(points, |&point| point, R::EPSILON * R::from_f64(units));
-            hull.volume(tip)
-        };
-        let closed = (THICKNESSES.into_iter().map(within)).find(Volume::is_closed);
-        closed
-            .unwrap_or_else(|| within(THICKNESSES[0]))
-            .filled_with(mass)
+        Grid::of(*tip, points).filled_with(mass)
     }
 }
-
-/// Units in the last place of the hull's size within which a point counts as on a plane.
-///
-/// A point may be within the thickness of one plane and just outside that of the next. The facets
-/// do not meet then, and those of another thickness do: with the first one alone, one of a thousand
-/// boxes with some more points on its faces is not closed.
-const THICKNESSES: [f64; 5] = [256.0, 64.0, 1024.0, 16.0, 4096.0];
 
 impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     /// Creates the homogeneous convex hull of points (m), with a bare contact at each of them.
@@ -75,289 +69,144 @@ impl<R: Real, const N: usize> Solid<R, [ContactPoint<R>; N]> {
     }
 }
 
-/// Convex hull of points, with the distance within which a point counts as on a plane or a line, m.
-pub(crate) struct Hull<'a, R: Real, T> {
-    points: &'a [T],
-    position: fn(&T) -> R::Vec3,
-    thickness: R,
+/// Points on a grid of integers about one of them, the tip.
+///
+/// Positions are differences from the tip, as in the sums over a mesh. A grid point differs from
+/// such a difference by less than a cell, which is at most 2⁻⁵⁹ of the largest component of all.
+struct Grid<'a, R: Real> {
+    points: &'a [R::Vec3],
+    tip: R::Vec3,
+    /// Power of two that is more than half of the largest component, m. Infinite if the size is.
+    unit: R,
 }
 
-/// Plane with all points on it or behind it.
-pub(crate) struct FacetPlane<R: Real> {
-    place: R::Vec3,
-    /// Outward normal, of length 1.
-    normal: R::Vec3,
-}
+/// Largest volume of points in a plane, relative to the product of size and surface, in units in
+/// the last place.
+///
+/// The rounding of a rotated flat body's points is a hundredth of it, if they are not far from the
+/// origin.
+const FLAT: f64 = 128.0;
 
-impl<R: Real> FacetPlane<R> {
-    /// Signed distance of the plane from the origin along its normal, m.
-    pub(crate) fn distance(&self) -> R {
-        self.normal.dot(self.place)
-    }
-}
-
-impl<'a, R: Real, T> Hull<'a, R, T> {
-    /// Hull of the positions of `points`. Points within `noise` of its size from a plane are on it,
-    /// and within 256 units in the last place in any case.
-    pub(crate) fn of(points: &'a [T], position: fn(&T) -> R::Vec3, noise: R) -> Self {
-        let least = R::EPSILON * R::from_f64(THICKNESSES[0]);
-        Self::within(points, position, noise.at_least(least))
-    }
-
-    /// Hull of the positions of `points`. Points within `share` of its size from a plane are on it.
-    fn within(points: &'a [T], position: fn(&T) -> R::Vec3, share: R) -> Self {
-        let middle = points.first().map(position).unwrap_or_default();
-        let size = points.iter().fold(R::ZERO, |size, point| {
-            size.at_least((position(point) - middle).length())
+impl<'a, R: Real> Grid<'a, R> {
+    fn of(tip: R::Vec3, points: &'a [R::Vec3]) -> Self {
+        let largest = points.iter().fold(R::ZERO, |largest, &point| {
+            let way = point - tip;
+            let [x, y, z] = [way.x(), way.y(), way.z()].map(R::abs);
+            largest.at_least(x).at_least(y).at_least(z)
         });
         Self {
             points,
-            position,
-            thickness: size * share,
+            tip,
+            unit: largest.power_of_two(),
         }
     }
 
-    /// Distance within which a point counts as on a plane, m.
-    pub(crate) fn thickness(&self) -> R {
-        self.thickness
-    }
-
-    fn positions(&self) -> impl Iterator<Item = R::Vec3> {
-        self.points.iter().map(self.position)
-    }
-
-    fn point(&self, index: usize) -> R::Vec3 {
-        self.points
-            .get(index)
-            .map(self.position)
-            .unwrap_or_default()
-    }
-
-    /// Facet through which a ray from the origin leaves the hull. `None` if the walk over the
-    /// facets finds none, as for points in a plane.
-    ///
-    /// The walk crosses an edge whenever the direction is on its far side. The cones over the
-    /// facets are a regular subdivision of the directions if the origin is inside, so that no facet
-    /// is visited twice.
-    pub(crate) fn facet_along(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
-        let mut plane = self.facet_near(direction)?;
-        for _ in 0..2 * self.points.len() {
-            let crossed = (self.edges(&plane))
-                .find(|&[start, end]| start.cross(end).dot(direction) < R::ZERO);
-            let Some([start, end]) = crossed else {
-                return Some(plane);
-            };
-            plane = self.wrap_about(end, start - end)?;
-        }
-        None
-    }
-
-    /// A facet at the farthest point in a direction.
-    ///
-    /// The second farthest point is a neighbour of the farthest one, so that their line is an edge.
-    /// If rounding prevents it, or if points coincide, other lines are tried.
-    fn facet_near(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
-        let first = self.farthest(|point| point.dot(direction))?;
-        let second = self.farthest(|point| {
-            let is_other = (point - first).length() > self.thickness;
-            if is_other {
-                point.dot(direction)
-            } else {
-                -R::MAX
-            }
-        });
-        let mut others = second.into_iter().chain(self.positions());
-        others.find_map(|other| self.wrap_about(first, other - first))
-    }
-
-    fn farthest(&self, measure: impl Fn(R::Vec3) -> R) -> Option<R::Vec3> {
-        let farther = |best: R::Vec3, point| {
-            let is_farther = measure(point) > measure(best);
-            if is_farther { point } else { best }
-        };
-        self.positions().reduce(farther)
-    }
-
-    /// Edges of a facet from corner to corner, counter-clockwise from outside.
-    pub(crate) fn edges(&self, plane: &FacetPlane<R>) -> impl Iterator<Item = [R::Vec3; 2]> {
-        // The farthest of the facet's points from the origin is a corner.
-        let first = self.farthest(|point| {
-            let is_on = self.height(plane, point).abs() <= self.thickness;
-            if is_on { point.length() } else { R::ZERO }
-        });
-        let mut start = first;
-        (0..self.points.len()).map_while(move |_| {
-            let (from, first) = (start?, first?);
-            let next = self.next_corner(plane, from);
-            let is_last = (next - first).length() <= self.thickness;
-            start = (!is_last).then_some(next);
-            Some([from, if is_last { first } else { next }])
+    /// Mass properties of the hull. Sums are in units, so that none overflows or underflows.
+    fn filled_with(&self, mass: R) -> Result<MassProperties<R>, SceneError> {
+        let own = self.volume().solid(mass)?;
+        let columns = own.inertia.columns();
+        Ok(MassProperties {
+            mass,
+            centre_of_mass: self.tip + own.centre_of_mass * self.unit,
+            inertia: R::Mat3::from_columns(columns.map(|column| column * self.unit * self.unit)),
         })
     }
 
-    /// Numbers of the points on a facet, in increasing order.
-    pub(crate) fn numbers_on(&self, plane: &FacetPlane<R>) -> impl Iterator<Item = usize> {
-        (0..self.points.len()).filter(|&index| self.is_on(plane, index))
-    }
-
-    /// Returns true if the facet and its neighbours meet at its edges.
+    /// Volume within the facets, in units from the tip, or 0 for points in a plane.
     ///
-    /// A point may be within the thickness of one plane and just outside that of the next. Two
-    /// planes can then share more than an edge, and belong to the same directions. So the plane to
-    /// the left of each edge must have the points of this one, and the plane to its right must have
-    /// the same edge.
-    pub(crate) fn meets_its_neighbours(&self, plane: &FacetPlane<R>) -> bool {
-        let is_near = |a: R::Vec3, b: R::Vec3| (a - b).length() <= self.thickness;
-        self.edges(plane).all(|[start, end]| {
-            let to_left = self.wrap_about(start, end - start);
-            let to_right = self.wrap_about(end, start - end);
-            to_left.is_some_and(|own| self.numbers_on(&own).eq(self.numbers_on(plane)))
-                && to_right.is_some_and(|other| {
-                    (self.edges(&other)).any(|[from, to]| is_near(from, end) && is_near(to, start))
-                })
-        })
-    }
-
-    /// Smallest numbers of three points on a facet that are not on one line.
-    pub(crate) fn corners_that_name(&self, plane: &FacetPlane<R>) -> Option<[usize; 3]> {
-        let mut numbers = self.numbers_on(plane);
-        let first = numbers.next()?;
-        let way_to = |index: usize| self.point(index) - self.point(first);
-        let second = numbers.find(|&index| way_to(index).length() > self.thickness)?;
-        let along = way_to(second);
-        let width = along.length() * self.thickness;
-        let third = numbers.find(|&index| along.cross(way_to(index)).length() > width)?;
-        Some([first, second, third])
-    }
-
-    fn height(&self, plane: &FacetPlane<R>, point: R::Vec3) -> R {
-        plane.normal.dot(point - plane.place)
-    }
-
-    /// Volume within the facets, with the tip of its tetrahedra.
-    fn volume(&self, tip: &R::Vec3) -> Volume<R> {
-        let mut volume = Volume::about(tip);
-        for first in 0..self.points.len() {
-            for second in first + 1..self.points.len() {
-                self.each_triangle(first, second, |corners| volume.add(corners));
-            }
-        }
-        volume
-    }
-
-    /// Calls `see` with the triangles of the facet to the left of the edge from `first` to
-    /// `second`, counter-clockwise from outside.
-    ///
-    /// Nothing is called unless this is an edge of the facet and `first` is the least number of a
-    /// point on its outline. So each facet is visited once.
-    fn each_triangle(&self, first: usize, second: usize, mut see: impl FnMut([R::Vec3; 3])) {
-        let Some(plane) = self.wrap(first, second) else {
-            return;
-        };
-        if !self.is_edge(&plane, first, second) || !self.leads(&plane, first) {
-            return;
-        }
-        let (start, end) = (self.point(first), self.point(second));
-        let mut corner = end;
-        for _ in 0..self.points.len() {
-            let next = self.next_corner(&plane, corner);
-            // The walk is back at the start. A start within an edge is not a corner, so the first
-            // corner is compared as well.
-            let is_back = |to: R::Vec3| (next - to).length() <= self.thickness;
-            if is_back(start) || is_back(end) {
+    /// A facet is the sum of the triangles between its first point and each of its edges, wherever
+    /// that point is on it. The tip is in the hull, so that no term is below 0, and none cancels.
+    fn volume(&self) -> Volume<R> {
+        let nothing = Volume::about(&R::Vec3::ZERO);
+        let (mut volume, mut surface, mut sum) = (nothing, R::ZERO, R::ZERO);
+        self.each_triangle(|corners| {
+            let nodes = corners.map(|corner| self.node(corner));
+            let Some(plane) = GridPlane::through(nodes) else {
                 return;
+            };
+            let part = plane.volume::<R>(self.node(self.tip));
+            volume.add_tetrahedron(corners.map(|corner| self.in_units(corner)), part);
+            sum += part;
+            surface += plane.area::<R>();
+        });
+        let lengths = (self.points.iter()).map(|&point| self.in_units(point).length());
+        let size = lengths.fold(R::ZERO, R::at_least);
+        let is_flat = sum <= size * surface * (R::EPSILON * R::from_f64(FLAT));
+        if is_flat { nothing } else { volume }
+    }
+
+    /// Calls `see` with the triangles of all facets, counter-clockwise from outside.
+    fn each_triangle(&self, mut see: impl FnMut([R::Vec3; 3])) {
+        for second in 0..self.points.len() {
+            for first in 0..second {
+                // A line without a facet on its left is no edge, and has none on its right.
+                if let Some(left) = self.triangle([first, second]) {
+                    see(left);
+                    self.triangle([second, first])
+                        .into_iter()
+                        .for_each(&mut see);
+                }
             }
-            see([start, corner, next]);
-            corner = next;
         }
     }
 
-    /// Returns true if no point with a lesser number begins an edge of the facet.
-    fn leads(&self, plane: &FacetPlane<R>, number: usize) -> bool {
-        self.edges(plane).all(|[start, end]| {
-            let along = end - start;
-            // Twice the thickness: `begins_an_edge` decides.
-            let width = along.length() * self.thickness * R::TWO;
-            let is_near = |index| along.cross(self.point(index) - start).length() <= width;
-            let mut lesser = (0..number).filter(|&index| self.is_on(plane, index));
-            !lesser.any(|index| is_near(index) && self.begins_an_edge(plane, index))
-        })
+    /// Point from the tip, in units.
+    fn in_units(&self, point: R::Vec3) -> R::Vec3 {
+        // The inverse is a power of two as well.
+        (point - self.tip) * (R::ONE / self.unit)
     }
 
-    fn begins_an_edge(&self, plane: &FacetPlane<R>, number: usize) -> bool {
-        (0..self.points.len()).any(|other| self.is_edge(plane, number, other))
+    fn node(&self, point: R::Vec3) -> Node {
+        let point = self.in_units(point);
+        [point.x(), point.y(), point.z()].map(|part| (part * R::from_f64(CELLS)).whole())
     }
 
-    /// Plane through two points that has no point in front of it, with its normal to their left.
+    fn nodes(&self) -> impl Iterator<Item = Node> {
+        self.points.iter().map(|&point| self.node(point))
+    }
+
+    /// Triangle between a line and the first point on the facet to its left, if the line is an edge
+    /// of this facet from corner to corner.
+    fn triangle(&self, edge: [usize; 2]) -> Option<[R::Vec3; 3]> {
+        let [start, end] = [self.points.get(edge[0])?, self.points.get(edge[1])?];
+        let first = self.first_on_facet(edge, [start, end].map(|&end| self.node(end)))?;
+        Some([*start, *end, first])
+    }
+
+    fn first_on_facet(&self, numbers: [usize; 2], edge: [Node; 2]) -> Option<R::Vec3> {
+        let plane = self.wrap(edge)?;
+        let mut first = None;
+        for (number, (node, &point)) in self.nodes().zip(self.points).enumerate() {
+            let is_within = match plane.side(node) {
+                Ordering::Greater => false,
+                Ordering::Less => continue,
+                Ordering::Equal => match plane.turn(edge, node) {
+                    Ordering::Greater => true,
+                    Ordering::Less => false,
+                    Ordering::Equal => is_between(edge, node),
+                },
+            };
+            // Of points that coincide the first one is the corner.
+            let is_repeated = |end: usize| number < numbers[end] && node == edge[end];
+            if !is_within || is_repeated(0) || is_repeated(1) {
+                return None;
+            }
+            first = first.or(Some(point));
+        }
+        first
+    }
+
+    /// Plane through the edge with no point in front of it and its facet to the left of the edge.
     ///
-    /// Returns `None` if the two points are not an edge of the hull.
-    fn wrap(&self, first: usize, second: usize) -> Option<FacetPlane<R>> {
-        let place = self.point(first);
-        self.wrap_about(place, self.point(second) - place)
-    }
-
-    /// Plane through the line from `place` in the direction `along` that has no point in front of
-    /// it, with its normal to the left of the line.
-    fn wrap_about(&self, place: R::Vec3, along: R::Vec3) -> Option<FacetPlane<R>> {
-        let mut plane: Option<FacetPlane<R>> = None;
-        for third in self.positions() {
-            let normal = along.cross(third - place);
-            let size = normal.length();
-            // The third point is on the line of the two.
-            if size <= along.length() * self.thickness {
-                continue;
-            }
-            let is_beyond =
-                |plane: &FacetPlane<R>| plane.normal.dot(third - plane.place) > self.thickness;
+    /// For a line that is no edge it is some plane. `None` if all points are on the line.
+    fn wrap(&self, [start, end]: [Node; 2]) -> Option<GridPlane> {
+        let mut plane: Option<GridPlane> = None;
+        for node in self.nodes() {
+            let is_beyond = |plane: &GridPlane| plane.side(node) == Ordering::Greater;
             if plane.as_ref().is_none_or(is_beyond) {
-                let normal = normal * (R::ONE / size);
-                plane = Some(FacetPlane { place, normal });
+                plane = GridPlane::through([start, end, node]);
             }
         }
-        plane.filter(|plane| {
-            self.positions()
-                .all(|point| self.height(plane, point) <= self.thickness)
-        })
-    }
-
-    fn is_on(&self, plane: &FacetPlane<R>, index: usize) -> bool {
-        self.height(plane, self.point(index)).abs() <= self.thickness
-    }
-
-    /// Returns true if the facet in this plane lies to the left of the line and no other point is
-    /// farther along it. A point that is as far, with a lesser number, also makes it false.
-    fn is_edge(&self, plane: &FacetPlane<R>, first: usize, second: usize) -> bool {
-        let start = self.point(first);
-        let length = (self.point(second) - start).length();
-        let along = (self.point(second) - start) * (R::ONE / length);
-        let left = plane.normal.cross(along);
-        self.positions().enumerate().all(|(index, point)| {
-            let way = point - start;
-            let (side, ahead) = (left.dot(way), along.dot(way));
-            let is_elsewhere = side > self.thickness || !self.is_on(plane, index);
-            let is_before = ahead < length - self.thickness
-                || (ahead <= length + self.thickness && index >= second);
-            is_elsewhere || (side >= -self.thickness && is_before)
-        })
-    }
-
-    /// Corner of the facet after this one, counter-clockwise. It has no point of the facet to its
-    /// right, and none beyond it on the same line.
-    fn next_corner(&self, plane: &FacetPlane<R>, corner: R::Vec3) -> R::Vec3 {
-        let mut next = corner;
-        for (index, point) in self.positions().enumerate() {
-            let way = point - corner;
-            if way.length() <= self.thickness || !self.is_on(plane, index) {
-                continue;
-            }
-            let so_far = next - corner;
-            let side = plane.normal.dot(so_far.cross(way));
-            let on_line = so_far.length() * self.thickness;
-            let is_farther = side <= on_line && way.length() > so_far.length();
-            if side < -on_line || is_farther {
-                next = point;
-            }
-        }
-        next
+        plane
     }
 }

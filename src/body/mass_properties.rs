@@ -276,17 +276,8 @@ impl<R: Real> Volume<R> {
 
     pub(super) fn add(&mut self, corners: [R::Vec3; 3]) {
         let [a, b, c] = corners.map(|corner| corner - self.tip);
-        let volume = a.dot(b.cross(c)) / R::from_f64(6.0);
+        self.add_tetrahedron([a, b, c], a.dot(b.cross(c)) / R::from_f64(6.0));
         let sum = a + b + c;
-        self.volume += volume;
-        self.first += sum * (volume * R::from_f64(0.25));
-        let weight = volume / R::from_f64(20.0);
-        for p in [a, b, c, sum] {
-            let weighted = p * weight;
-            self.second[0] += weighted * p.x();
-            self.second[1] += weighted * p.y();
-            self.second[2] += weighted * p.z();
-        }
         let area = (b - a).cross(c - a) * R::HALF;
         self.area += area;
         self.area_size += area.length();
@@ -297,9 +288,18 @@ impl<R: Real> Volume<R> {
         self.extent_size += centroid.length() * area.length();
     }
 
-    /// Returns true if no part of the surface is missing, as far as its sums show it.
-    pub(super) fn is_closed(&self) -> bool {
-        self.check_closed().is_ok()
+    /// Adds a tetrahedron with three corners from the tip and a volume, m³, and no surface.
+    pub(super) fn add_tetrahedron(&mut self, [a, b, c]: [R::Vec3; 3], volume: R) {
+        let sum = a + b + c;
+        self.volume += volume;
+        self.first += sum * (volume * R::from_f64(0.25));
+        let weight = volume / R::from_f64(20.0);
+        for p in [a, b, c, sum] {
+            let weighted = p * weight;
+            self.second[0] += weighted * p.x();
+            self.second[1] += weighted * p.y();
+            self.second[2] += weighted * p.z();
+        }
     }
 
     /// Checks that no part of the surface is missing, as far as its sums show it.
@@ -329,10 +329,16 @@ impl<R: Real> Volume<R> {
         Ok(())
     }
 
-    /// Mass properties of this volume with a mass, kg.
+    /// Mass properties of this volume within its surface with a mass, kg.
     pub(super) fn filled_with(&self, mass: R) -> Result<MassProperties<R>, SceneError> {
         finite_mass(mass)?;
         self.check_closed()?;
+        self.solid(mass)
+    }
+
+    /// Mass properties of this volume with a mass, kg, whatever its surface.
+    pub(super) fn solid(&self, mass: R) -> Result<MassProperties<R>, SceneError> {
+        finite_mass(mass)?;
         error::above_zero("volume within the surface", self.volume, " m³")?;
         let density = mass / self.volume;
         let centre = self.first * (R::ONE / self.volume);

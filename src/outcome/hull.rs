@@ -1,7 +1,8 @@
 //! Faces of the convex hull of contacts.
 
+use super::noisy_hull::NoisyHull;
 use super::{Basin, Faces};
-use crate::body::{ContactPoint, Hull, PointCloud, RigidPointBody, Solid};
+use crate::body::{ContactPoint, PointCloud, RigidPointBody, Solid};
 use crate::real::{Real, Vector};
 
 /// Facet of the convex hull of a body's contacts, on which the body lies.
@@ -54,7 +55,7 @@ impl HullFace {
     ) -> Option<Basin<Self, R>> {
         let contacts = body.contacts();
         let noise = R::from_f64(NOISE);
-        let hull = Hull::<R, ContactPoint<R>>::of(contacts, |contact| contact.position, noise);
+        let hull = NoisyHull::<R, ContactPoint<R>>::of(contacts, |contact| contact.position, noise);
         let plane = hull.facet_along(down)?;
         let edges = hull.edges(&plane).map(|edge| distance_of_segment(edge));
         let nearest = edges.reduce(R::at_most)?;

@@ -11,6 +11,7 @@ mod kit;
 
 // The body.
 mod bodies;
+mod hulls;
 mod rim;
 mod smooth;
 mod thick_disc;
