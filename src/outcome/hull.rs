@@ -38,16 +38,16 @@ impl HullFace {
     ///
     /// It is also `None` if the facet cannot be separated from its neighbour. Then some contacts
     /// are on the plane of one and just off the plane of the other. This occurs for a face with
-    /// noise of 1e-5 of the hull's size, and for a very flat body. For noise of 3e-6 to 6e-5 it may
-    /// be `None` for some directions of a facet alone, and the body may rest on one of them. A body
-    /// that was decided before is still on that facet: keep the first decision.
+    /// noise of 1e-5 of the hull's size, and for a very flat body. A facet that can be separated is
+    /// returned for all directions that a body reaches below its barrier.
     ///
     /// *Limit:* a facet on which the body does not rest has a basin of its own, so that the barrier
     /// of its neighbour is lower than it could be. A face whose corners have more noise than 1e-5
     /// of the hull's size is several facets. If an edge between them passes below the centre of
     /// mass, there is no barrier, and the face is never decided. *Cost:* proportional to the number
     /// of contacts times the number of corners of all facets that the search visits, including the
-    /// neighbours of the result.
+    /// neighbours of the result. If the search ends on a facet that is not separate, the cost also
+    /// has the square of the number of contacts near that facet.
     #[must_use]
     pub fn basin<R: Real, B: RigidPointBody<R> + ?Sized>(
         body: &B,
@@ -56,12 +56,9 @@ impl HullFace {
         let contacts = body.contacts();
         let noise = R::from_f64(NOISE);
         let hull = NoisyHull::<R, ContactPoint<R>>::of(contacts, |contact| contact.position, noise);
-        let plane = hull.facet_along(down)?;
+        let plane = hull.separate_facet_along(down)?;
         let edges = hull.edges(&plane).map(|edge| distance_of_segment(edge));
         let nearest = edges.reduce(R::at_most)?;
-        if plane.distance() <= hull.thickness() || !hull.meets_its_neighbours(&plane) {
-            return None;
-        }
         let radii = (hull.numbers_on(&plane)).filter_map(|index| Some(contacts.get(index)?.radius));
         Some(Basin {
             face: Self {

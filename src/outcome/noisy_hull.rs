@@ -6,6 +6,8 @@ use crate::real::{Real, Vector};
 pub(super) struct NoisyHull<'a, R: Real, T> {
     points: &'a [T],
     position: fn(&T) -> R::Vec3,
+    /// Largest distance from the first point, m.
+    size: R,
     thickness: R,
 }
 
@@ -34,6 +36,7 @@ impl<'a, R: Real, T> NoisyHull<'a, R, T> {
         Self {
             points,
             position,
+            size,
             thickness: size * noise.at_least(R::EPSILON * R::from_f64(256.0)),
         }
     }
@@ -54,23 +57,76 @@ impl<'a, R: Real, T> NoisyHull<'a, R, T> {
             .unwrap_or_default()
     }
 
-    /// Facet through which a ray from the origin leaves the hull. `None` if the walk over the
-    /// facets finds none, as for points in a plane.
+    /// Facet through which a ray from the origin leaves the hull, if it is separate from its
+    /// neighbours. `None` if there is none, as for points in a plane.
+    ///
+    /// Some points are off a plane by about the thickness. The walk can then end on a plane that is
+    /// not separate, though the ray also passes through a facet that is. This facet is searched for
+    /// among the planes at the edges of the last one, and then among those at all lines between
+    /// points near it.
+    ///
+    /// Two separate facets have no edge in common with the same direction: the plane to its left is
+    /// unique, and has the points of both. So if a ray passes through two of them, the outline of
+    /// one crosses the other facet, whose plane is above its corners by at most the thickness. This
+    /// is not excluded. No such pair was found, and the first facet in this order is returned.
+    pub(super) fn separate_facet_along(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
+        let is_found = |plane: &FacetPlane<R>| {
+            self.edge_before(plane, direction).is_none() && self.is_separate(plane)
+        };
+        let last = self.facet_along(direction)?;
+        if is_found(&last) {
+            return Some(last);
+        }
+        let both = |[start, end]: [R::Vec3; 2]| [[start, end], [end, start]];
+        let lines = (self.edges(&last).flat_map(both)).chain(self.lines_near(&last));
+        // The ray is to the left of each edge of its facet.
+        let mut ahead = lines.filter(|[start, end]| start.cross(*end).dot(direction) >= R::ZERO);
+        ahead.find_map(|[start, end]| self.wrap_about(start, end - start).filter(is_found))
+    }
+
+    /// Lines between two points each that are near a plane.
+    ///
+    /// Let a ray pass through this plane and a facet F, with the distance μ from the boundary of F.
+    /// Both planes are within the thickness t of the hull there, and this plane is at most t below
+    /// the corners of F. So the planes are inclined by at most about `2 t/μ`. If the height of a
+    /// direction is below the barrier, it is `4 t` below that of the boundary at the distance q.
+    /// Then μ is at least `√(8 t q)`, and the corners of F are within `√(t/(2 q))` of the size from
+    /// this plane. This is 2 `√(t size)` if q is an eighth of the size.
+    fn lines_near(&self, plane: &FacetPlane<R>) -> impl Iterator<Item = [R::Vec3; 2]> {
+        let distance = (self.thickness * self.size).sqrt() * R::TWO;
+        let near = move || {
+            self.positions()
+                .filter(move |&point| self.height(plane, point).abs() <= distance)
+        };
+        near().flat_map(move |start| near().map(move |end| [start, end]))
+    }
+
+    /// Returns true if the origin is behind the facet, and the facet meets its neighbours.
+    fn is_separate(&self, plane: &FacetPlane<R>) -> bool {
+        plane.distance() > self.thickness && self.meets_its_neighbours(plane)
+    }
+
+    /// Edge of the facet that has the direction on its far side.
+    fn edge_before(&self, plane: &FacetPlane<R>, direction: R::Vec3) -> Option<[R::Vec3; 2]> {
+        (self.edges(plane)).find(|&[start, end]| start.cross(end).dot(direction) < R::ZERO)
+    }
+
+    /// Facet at which a walk to a ray from the origin ends. `None` for points in a plane.
     ///
     /// The walk crosses an edge whenever the direction is on its far side. The cones over the
     /// facets are a regular subdivision of the directions if the origin is inside, so that no facet
-    /// is visited twice.
-    pub(super) fn facet_along(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
+    /// is visited twice. With points almost on a plane the walk may end beside the ray.
+    fn facet_along(&self, direction: R::Vec3) -> Option<FacetPlane<R>> {
         let mut plane = self.facet_near(direction)?;
         for _ in 0..2 * self.points.len() {
-            let crossed = (self.edges(&plane))
-                .find(|&[start, end]| start.cross(end).dot(direction) < R::ZERO);
-            let Some([start, end]) = crossed else {
+            let across = (self.edge_before(&plane, direction))
+                .and_then(|[start, end]| self.wrap_about(end, start - end));
+            let Some(next) = across else {
                 return Some(plane);
             };
-            plane = self.wrap_about(end, start - end)?;
+            plane = next;
         }
-        None
+        Some(plane)
     }
 
     /// A facet at the farthest point in a direction.
@@ -127,7 +183,7 @@ impl<'a, R: Real, T> NoisyHull<'a, R, T> {
     /// planes can then share more than an edge, and belong to the same directions. So the plane to
     /// the left of each edge must have the points of this one, and the plane to its right must have
     /// the same edge.
-    pub(super) fn meets_its_neighbours(&self, plane: &FacetPlane<R>) -> bool {
+    fn meets_its_neighbours(&self, plane: &FacetPlane<R>) -> bool {
         let is_near = |a: R::Vec3, b: R::Vec3| (a - b).length() <= self.thickness;
         self.edges(plane).all(|[start, end]| {
             let to_left = self.wrap_about(start, end - start);
@@ -201,5 +257,83 @@ impl<'a, R: Real, T> NoisyHull<'a, R, T> {
             }
         }
         next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DQuat, DVec3};
+
+    /// Number of a sequence that fills (-1, 1) evenly for each `dimension`.
+    fn part(index: u32, dimension: u32) -> f64 {
+        let roots = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0_f64];
+        2.0 * (f64::from(index) * roots[dimension as usize % 8].sqrt()).fract() - 1.0
+    }
+
+    fn vector(index: u32, first: u32) -> DVec3 {
+        DVec3::new(
+            part(index, first),
+            part(index, first + 1),
+            part(index, first + 2),
+        )
+    }
+
+    /// A box with six more points on its sides and noise of 1e-7 to 1e-4 on all of them.
+    fn noisy_box(number: u32) -> [DVec3; 14] {
+        let half = DVec3::new(0.5, 0.4, 0.3);
+        let noise = 10.0_f64.powf(-5.5 + 1.5 * part(number, 7));
+        let axis = vector(number, 0).normalize();
+        let turn = DQuat::from_axis_angle(axis, 3.0 * part(number, 3));
+        core::array::from_fn(|index| {
+            #[allow(clippy::cast_possible_truncation)] // Below 14.
+            let seed = number * 14 + index as u32;
+            let sign = |bit: usize| if index >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            let mut place = DVec3::new(sign(0), sign(1), sign(2));
+            if index >= 8 {
+                place = vector(seed, 4);
+                place[index % 3] = sign(0);
+            }
+            turn * (place * half + vector(seed, 1) * noise)
+        })
+    }
+
+    /// Directions within each separate facet of noisy boxes. Those that a body can reach below the
+    /// barrier have this facet, and no direction has another one.
+    #[test]
+    fn a_direction_within_a_separate_facet_has_this_facet() {
+        let mut reached = 0;
+        for number in 1..=30 {
+            let points = noisy_box(number);
+            let hull = NoisyHull::<f64, DVec3>::of(&points, |&point| point, 1e-5);
+            let pairs = points.iter().flat_map(|&a| points.map(|b| [a, b]));
+            let planes = pairs.filter_map(|[a, b]| hull.wrap_about(a, b - a));
+            for facet in planes.filter(|plane| hull.is_separate(plane)) {
+                let corners = || hull.edges(&facet).map(|[start, _]| start);
+                let middle = corners().sum::<DVec3>() * (1.0 / corners().count() as f64);
+                // An edge is not nearer to the origin than its line.
+                let nearest = hull.edges(&facet).map(|[start, end]| {
+                    let along = (end - start).normalize();
+                    (start - along * start.dot(along)).length()
+                });
+                let barrier = nearest.fold(f64::MAX, f64::min) - 4.0 * hull.thickness();
+                for corner in corners() {
+                    for share in [0.03, 0.3, 0.9] {
+                        let direction = (middle + (corner - middle) * share).normalize();
+                        let found = hull.separate_facet_along(direction);
+                        let is_same = found
+                            .as_ref()
+                            .map(|found| hull.numbers_on(found).eq(hull.numbers_on(&facet)));
+                        assert_ne!(is_same, Some(false), "{number}");
+                        let height = points.iter().map(|point| point.dot(direction));
+                        if height.fold(0.0, f64::max) < barrier {
+                            reached += 1;
+                            assert_eq!(is_same, Some(true), "{number}");
+                        }
+                    }
+                }
+            }
+        }
+        assert!(reached > 200, "{reached}");
     }
 }
