@@ -198,4 +198,50 @@ mod tests {
             assert_eq!(cloud.basin(down), facet);
         }
     }
+
+    /// Cubes of 20 mm with noise of 1e-5 of their size, tossed until most of them are at rest. Once
+    /// a face is decided, each later state has it.
+    #[test]
+    fn a_decided_cube_with_noise_keeps_its_face() {
+        let mut number = 0;
+        let mut vector = || {
+            number += 1;
+            let part = |root: f64| 2.0 * (f64::from(number) * root.sqrt()).fract() - 1.0;
+            DVec3::new(part(2.0), part(3.0), part(5.0))
+        };
+        let mut decided = 0;
+        for _ in 0..300 {
+            let turn = glam::DQuat::from_scaled_axis(vector() * 3.0);
+            let corner = |index: usize| corners()[index] / DVec3::new(3.0, 4.0, 12.0) * 0.01;
+            let noisy = core::array::from_fn(|index| turn * (corner(index) + vector() * 2e-7));
+            let stepper = crate::Stepper::builder(PointCloud::new(noisy, [0.001; 8]).unwrap())
+                .ground(crate::FlatGround::level(2e4, 3.0))
+                .friction(crate::Coulomb {
+                    coefficient: 0.4,
+                    slip_speed: 1e-3,
+                })
+                .gravity(crate::UniformGravity::down(9.8))
+                .integrator(crate::EnergyMomentum { time_step: 2e-4 })
+                .build()
+                .unwrap();
+            let barriers = stepper.barriers().unwrap();
+            let mut state = crate::State::at(DVec3::Z * 0.05)
+                .with_rotation_vector(vector() * 3.0)
+                .with_linear_velocity(vector() * 0.3)
+                .with_angular_momentum(vector() * 1e-5);
+            let mut first = None;
+            for _ in 0..60 {
+                stepper.advance(&mut state, 0.02).unwrap();
+                if let (None, crate::Outcome::Decided(face)) = (first, barriers.outcome(&state)) {
+                    first = Some(face);
+                    decided += 1;
+                }
+                if first.is_some() {
+                    let down = state.orientation.inverse() * -DVec3::Z;
+                    assert_eq!(stepper.body().basin(down).map(|basin| basin.face), first);
+                }
+            }
+        }
+        assert!(decided > 200, "{decided}");
+    }
 }
