@@ -27,7 +27,8 @@
 //! where sliding on several contacts makes the frequencies complex. A motion that grows by itself
 //! has no stable step and is left out.
 //!
-//! The other methods do not multiply by a function of `h λ` if K and C have different eigenvectors.
+//! The other methods do not multiply by a function of `h λ` if K and C have different eigenvectors,
+//! or complex frequencies.
 //! Every solution satisfies `λ² + δ λ + κ = 0` with the Rayleigh quotients `κ = x* K x` and
 //! `δ = x* C x` (in coordinates where M = 1). If K and C are symmetric, the pairs (κ, δ) therefore
 //! lie in the joint numerical range of K and C, which is convex. The amplification factor of a step

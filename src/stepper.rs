@@ -428,9 +428,11 @@ where
     /// * For [`ForwardEuler`](crate::ForwardEuler) and [`Rk4`](crate::Rk4), the bound holds for
     ///   every motion of the body on its contacts and forces. For the other methods it is proven
     ///   for contacts that stick or slide, not in between: where the damping by friction across the
-    ///   slip, `μ N/slip`, is comparable with the damping or the stiffness along the normal. With
-    ///   [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long because of friction or
-    ///   dampers that differ.
+    ///   slip, `μ N/slip`, is comparable with the damping or the stiffness along the normal.
+    /// * A body that slides on several contacts may have pairs of complex frequencies. The bound
+    ///   can then be too long by a third for methods other than `ForwardEuler` and `Rk4`.
+    /// * With [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long because of friction,
+    ///   and up to 25 % where springs and dampers of an applied force act on different motions.
     /// * A motion that grows by itself has no bound, such as a fall from a balance, or the flutter
     ///   of a body that slides. Neither has a motion a thousand times slower than the fastest.
     /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, counts as

@@ -100,9 +100,9 @@ use crate::state::State;
 /// - On planes, with explicit methods and a [`SpringDamper`](crate::SpringDamper), the forces equal
 ///   the integral of the law over the arc to a relative 1e-9 in most random poses, and to 2e-7 in
 ///   98 of 100. On smooth hills of four radii and more with dampers, the error is larger in one
-///   pose of eight, and below 1e-3. The error is up to 1e-4 if the slip is 0 somewhere on the arc and below the slip speed on
-///   all of it. It is larger if dampers leave less than 2 % of the springs' force, because only a
-///   short part of the arc pushes.
+///   pose of eight, and below 1e-3. The error is up to 1e-4 if the slip is 0 somewhere on the arc
+///   and below the slip speed on all of it. It is larger if dampers leave less than 2 % of the
+///   springs' force, because only a short part of the arc pushes.
 /// - Other laws are not smooth where the quadrature assumes it, at the ends of the arc or where a
 ///   damper reaches its limit. In random poses the error is up to 1e-2 with
 ///   [`LoadDependentCoulomb`](crate::LoadDependentCoulomb),

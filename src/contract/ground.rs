@@ -76,7 +76,8 @@ impl<R: Real> GroundRange<R> {
 /// times the difference between partitions. The springs' energy may deviate by 1024 units in the
 /// last place of the energy at the largest penetration depth. A formula such as `e^x - 1 - x`
 /// deviates so much at small penetration depths, where `exp_m1` is more accurate. Forces must be at
-/// least 0 without tolerance.
+/// least 0 without tolerance. The slope and the damping of a mean force are checked by their signs
+/// alone. `EnergyMomentum` iterates with both, so with wrong ones it may lose energy in long steps.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, GroundRange, check_ground};

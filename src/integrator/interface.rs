@@ -175,8 +175,8 @@ pub struct StepControl<R: Real = f64> {
     /// Size of the next step, s, above 0. `None` if the method chooses it from the state.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "super::saved::required"))]
     pub next_step: Option<R>,
-    /// Measure of the error of the last step, at least 0. The method defines it. `None` before the
-    /// first step.
+    /// Measure of the error of the last step, above 0. The method defines it. `None` before the
+    /// first step, and for a step without an error.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "super::saved::required"))]
     pub last_error: Option<R>,
     /// Orientation at the start of the next step, before it was scaled to length 1 for the state.
@@ -191,14 +191,13 @@ impl<R: Real> StepControl<R> {
     /// Checks that both numbers are valid.
     ///
     /// # Errors
-    /// Returns [`SceneError`] if the length is not above 0, if the error is below 0, or if one of
-    /// them is not finite.
+    /// Returns [`SceneError`] if the length or the error is not above 0, or not finite.
     pub fn check(&self) -> Result<(), SceneError> {
         if let Some(length) = self.next_step {
             error::above_zero("length of the next step", length, " s")?;
         }
         if let Some(error) = self.last_error {
-            error::at_least_zero("error of the last step", error, "")?;
+            error::above_zero("error of the last step", error, "")?;
         }
         Ok(())
     }

@@ -224,9 +224,9 @@ fn see_pair([trace, determinant]: [f64; 2], see: &mut impl FnMut([f64; 2])) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
     use approx::assert_relative_eq;
     use proptest::prelude::*;
-    use std::vec::Vec;
 
     fn modes(stiffness: &[[f64; 6]; 6], damping: &[[f64; 6]; 6]) -> Vec<[f64; 2]> {
         let mut found = Vec::new();

@@ -23,7 +23,9 @@ use tumble::{
     StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, ThickDisc, Trial, UniformGravity,
     Viscous, Waves, WithResistance,
 };
-use tumble::{Dynamics, Every, Flight, Sample, Shape, Step, Timed, UntilRest, Wind};
+use tumble::{
+    Dynamics, Every, Flight, Force, Motion, Sample, Shape, Step, Timed, UntilRest, Wind, Wrench,
+};
 
 // -----------------------------------------------------------------------------------------------
 // One test a parameter
@@ -3105,5 +3107,36 @@ fn a_turntable_that_is_not_finite_is_refused_for_its_angular_velocity() {
         let error = composed.map(|_| ()).unwrap_err();
         assert_eq!(error.quantity, "z of the angular velocity of the ground");
         assert_eq!(error.rule, Rule::Finite);
+    }
+}
+
+/// A force across the velocity, as of a magnet: its power is 0 but for rounding, also where the
+/// products of a tiny force and a tiny speed underflow.
+#[test]
+fn a_passive_force_whose_power_underflows_breaks_no_law() {
+    struct Magnet;
+    impl Force<f32> for Magnet {
+        fn wrench(&self, motion: &Motion<f32>) -> Wrench<f32> {
+            let across = motion.linear_velocity.cross(Vec3::new(0.3, 0.5, 0.8));
+            Wrench {
+                force: across * 2.5e-7,
+                torque: Vec3::ZERO,
+            }
+        }
+        fn is_passive(&self) -> bool {
+            true
+        }
+    }
+    let stepper = tumble::Stepper::new(Sphere::solid(2.9e-8_f32, 1.4e-3))
+        .and_then(|stepper| stepper.with_integrator(EnergyMomentum { time_step: 1e-3 }))
+        .and_then(|stepper| stepper.with_force(Magnet))
+        .unwrap();
+    for number in 0..3000_u16 {
+        let part = |root: f32| (f32::from(number) * root).fract() - 0.5;
+        let direction = Vec3::new(part(2.0_f32.sqrt()), part(3.0_f32.sqrt()), part(0.618));
+        let speed = [1e-15, 1e-18, 1e-19][usize::from(number % 3)];
+        let mut state =
+            tumble::State::<f32>::at(Vec3::ZERO).with_linear_velocity(direction * speed);
+        stepper.step(&mut state).unwrap();
     }
 }

@@ -950,6 +950,27 @@ fn a_mean_force_that_is_not_the_laws_is_caught() {
 
 // Friction laws.
 
+/// Friction of a load above a threshold of 1 N, with the provided Jacobian. Just above the
+/// threshold its coefficient is nearly in proportion to a high power of the load.
+struct AboveThreshold;
+
+impl SlidingFriction for AboveThreshold {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        slip * (-0.3 * (normal_force - 1.0).max(0.0) / (slip.length() + 1e-3))
+    }
+}
+
+#[test]
+fn a_friction_that_begins_at_a_load_passes_with_the_provided_jacobian() {
+    for seed in 0..200 {
+        let plan = CheckPlan {
+            seed,
+            ..CheckPlan::default()
+        };
+        check_friction(&AboveThreshold, &SLIDES, plan).unwrap();
+    }
+}
+
 /// Resists rotation with a negative torque.
 struct Pushing(f64);
 

@@ -583,11 +583,12 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(kit::cases(100))]
+    #![proptest_config(kit::cases(200))]
 
     /// A body that slides on several contacts, in balance under Coulomb's friction, may have pairs
     /// of complex frequencies. A step below the limit amplifies nothing by more than the motion
-    /// itself does, which may fall from its balance. The factors are known to 2e-4.
+    /// itself does, which may fall from its balance. The factors are known to 2e-4. For a method
+    /// that is no Runge-Kutta method the limit may be a third too long.
     #[test]
     fn a_step_below_the_limit_grows_no_more_than_the_motion_of_a_body_that_slides(
         kind in 0..4_usize,
@@ -609,7 +610,9 @@ proptest! {
             let limit = own.largest_stable_step(&state).unwrap();
             let factor_of = |step: &dyn Fn(&mut State)| factor_of_a_step(step, &state, limit);
             let of_motion = factor_of(&|state| { exact.advance(state, limit).unwrap(); });
-            let step = kit::with_time_step(integrator, 0.98 * limit);
+            let is_exact = ["ForwardEuler", "Rk4"].contains(&method);
+            let part = if is_exact { 0.98 } else { 0.75 };
+            let step = kit::with_time_step(integrator, part * limit);
             let stepper = stepper.with_integrator(step).unwrap();
             let of_step = factor_of(&|state| { stepper.step(state).unwrap(); });
             prop_assert!(

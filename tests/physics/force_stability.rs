@@ -204,7 +204,10 @@ fn steps_are_stable_below_the_limit_of_a_force_and_grow_above_it() {
                 } else {
                     (1.03, 1.05)
                 };
-                let [below, above] = [factor(0.97), factor(part)];
+                // A step of `Nystrom` is not made of the steps of single motions: its limit may be
+                // a quarter too long where springs and dampers act on different motions.
+                let within = if method == "Nystrom" { 0.75 } else { 0.97 };
+                let [below, above] = [factor(within), factor(part)];
                 assert!(
                     below < 1.002,
                     "{name}, {method}: grows by {below} below {limit:e} s"

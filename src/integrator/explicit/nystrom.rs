@@ -101,8 +101,9 @@ pub(in crate::integrator) use stages::{Stage, Start};
 ///   damping exceeds the growth stated in the next item.
 ///   [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step) computes the limit at a
 ///   state. It is exact for a single contact that slides. With several it may be 15 % too small,
-///   or up to 10 % too large if friction or dampers act on some motions and not on others: a step
-///   is not made of the steps of single motions.
+///   or up to 10 % too large if friction damps some motions and not others. Under an applied force
+///   it may be 25 % too large if springs and dampers act on different motions: a step is not made
+///   of the steps of single motions.
 /// - *May add energy.* An oscillation without dampers grows by the relative amount 2.1e-4 (ω dt)⁶
 ///   per step. Damping of `ζ > 2.1e-4 (ω dt)⁵` removes more than that.
 /// - *Not corrected:* a contact that closes and opens again within one step, which only the stages

@@ -251,8 +251,7 @@ impl<R: Real> Control<R> {
     pub(in crate::integrator::adaptive) fn carrying(control: StepControl<R>) -> Self {
         Self {
             next: control.next_step,
-            // An error of 0 says nothing of the next step.
-            last: control.last_error.filter(|&error| error > R::ZERO),
+            last: control.last_error,
             ..Self::default()
         }
     }
