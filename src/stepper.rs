@@ -441,7 +441,7 @@ where
     ///   force: in each step of size h, [`ForwardEuler`](crate::ForwardEuler) and
     ///   [`SymplecticEuler`](crate::SymplecticEuler) multiply the velocity by `√(1 + (h ω)²)`, and
     ///   [`StrangSplitting`](crate::StrangSplitting) by `√(1 + (h ω)⁴/4)`.
-    /// * One call costs some tens of thousands of multiplications, and ten times as many with
+    /// * One call costs one or two hundred thousand multiplications, and some times as many with
     ///   [`Nystrom`](crate::Nystrom): too many to call it at every step.
     ///
     /// ```

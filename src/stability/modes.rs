@@ -156,39 +156,39 @@ impl<const N: usize> Triangular<N> {
     /// of the first of them.
     fn reflect(&mut self, first: usize, column: &[f64]) {
         let mut mirror = [0.0; N];
-        for (value, &entry) in mirror.iter_mut().skip(first).zip(column) {
-            *value = entry;
-        }
-        let size = length(&mirror);
+        let mirror = &mut mirror[..column.len()];
+        mirror.copy_from_slice(column);
+        let size = length(mirror);
         if size == 0.0 {
             return;
         }
-        mirror[first] += if mirror[first] < 0.0 { -size } else { size };
-        let square = length(&mirror);
-        let mirror = mirror.map(|value| value / square);
-        let rows = &mut self.0;
-        let by_columns = rows
-            .iter()
-            .zip(&mirror)
-            .fold([0.0; N], |mut sums, (row, &part)| {
-                (sums.iter_mut().zip(row)).for_each(|(sum, &value)| *sum += part * value);
-                sums
-            });
-        for (row, &part) in rows.iter_mut().zip(&mirror) {
-            (row.iter_mut().zip(&by_columns)).for_each(|(value, &sum)| *value -= 2.0 * part * sum);
+        mirror[0] += if mirror[0] < 0.0 { -size } else { size };
+        let size = length(mirror);
+        mirror.iter_mut().for_each(|value| *value /= size);
+
+        let places = first..first + mirror.len();
+        let rows = &mut self.0[places.clone()];
+        let mut sums = [0.0; N];
+        for (row, &part) in rows.iter().zip(&*mirror) {
+            add(&mut sums, part, row);
         }
-        for row in rows {
-            let by_row: f64 = row
-                .iter()
-                .zip(&mirror)
-                .map(|(&value, &part)| value * part)
-                .sum();
-            (row.iter_mut().zip(&mirror)).for_each(|(value, &part)| *value -= 2.0 * part * by_row);
+        for (row, &part) in rows.iter_mut().zip(&*mirror) {
+            add(row, -2.0 * part, &sums);
+        }
+        for row in &mut self.0 {
+            let row = &mut row[places.clone()];
+            let sum: f64 = row.iter().zip(&*mirror).map(|(&a, &b)| a * b).sum();
+            add(row, -2.0 * sum, mirror);
         }
     }
 }
 
-fn length<const N: usize>(vector: &[f64; N]) -> f64 {
+/// Adds a multiple of a vector.
+fn add(to: &mut [f64], factor: f64, other: &[f64]) {
+    (to.iter_mut().zip(other)).for_each(|(value, &other)| *value += factor * other);
+}
+
+fn length(vector: &[f64]) -> f64 {
     vector.iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
