@@ -403,8 +403,9 @@ where
     /// Largest step size (s) for which the integrator is stable on the contacts that touch in
     /// `state` and under the applied force. Returns `None` if there is no bound: an implicit or
     /// adaptive integrator, a body in flight without an applied force, or a state that is not
-    /// finite. [`EnergyMomentum`](crate::EnergyMomentum) has a bound under an applied force that
-    /// depends on the pose: that of [`StrangSplitting`](crate::StrangSplitting) without a ground.
+    /// finite. It is `None` for [`EnergyMomentum`](crate::EnergyMomentum) too, which has a bound
+    /// under an applied force that depends on the pose: that of
+    /// [`StrangSplitting`](crate::StrangSplitting) without a ground.
     ///
     /// The bound follows from the stiffness, the damping and the friction of all contacts together,
     /// with their lever arms and the inertia of the body. The applied force counts by its
@@ -438,9 +439,9 @@ where
     /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, counts as
     ///   a damper of that rate. This is right for [`Rk4`](crate::Rk4) and
     ///   [`Nystrom`](crate::Nystrom). The other explicit methods have no stable step under such a
-    ///   force: in each step of size h, [`ForwardEuler`](crate::ForwardEuler) and
-    ///   [`SymplecticEuler`](crate::SymplecticEuler) multiply the velocity by `√(1 + (h ω)²)`, and
-    ///   [`StrangSplitting`](crate::StrangSplitting) by `√(1 + (h ω)⁴/4)`.
+    ///   force: in each step of size h, [`ForwardEuler`](crate::ForwardEuler), whose bound is 0,
+    ///   and [`SymplecticEuler`](crate::SymplecticEuler) multiply the velocity by
+    ///   `√(1 + (h ω)²)`, and [`StrangSplitting`](crate::StrangSplitting) by `√(1 + (h ω)⁴/4)`.
     /// * One call costs one or two hundred thousand multiplications, and some times as many with
     ///   [`Nystrom`](crate::Nystrom): too many to call it at every step.
     ///

@@ -428,3 +428,36 @@ fn energy_momentum_is_stable_up_to_two_over_the_frequency_of_an_applied_spring()
     let farthest = farthest(2.02);
     assert!(farthest > 1e6, "{farthest:e}");
 }
+
+/// A thrust that turns with the body pushes it aside if the body leans, and nothing pushes back:
+/// there is no oscillation. On the ground the limit is that of the contact.
+#[test]
+fn a_thrust_that_turns_with_the_body_bounds_no_step() {
+    struct Thrust;
+    impl Force for Thrust {
+        fn wrench(&self, motion: &Motion) -> Wrench {
+            Wrench::of_force(motion.axes.to_world(DVec3::Z) * 5.0)
+        }
+        fn is_passive(&self) -> bool {
+            false
+        }
+    }
+    let lean = DQuat::from_scaled_axis(DVec3::new(0.3, 0.2, 0.1));
+    let at = |height: f64| State::at(DVec3::Z * height).with_orientation(lean);
+    each_explicit!(1e-3, |integrator, method| {
+        let plain = Stepper::new(Sphere::solid(1.0, 0.1))
+            .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 30.0)))
+            .and_then(|stepper| stepper.with_integrator(integrator))
+            .unwrap();
+        let pushed = plain.with_force(Thrust).unwrap();
+        assert_eq!(pushed.largest_stable_step(&at(1.0)), None, "{method}");
+        let [with, without] = [
+            pushed.largest_stable_step(&at(0.0999)),
+            plain.largest_stable_step(&at(0.0999)),
+        ];
+        assert!(
+            near(with, without.unwrap()),
+            "{method}: {with:?}, not {without:?}"
+        );
+    });
+}
