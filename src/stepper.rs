@@ -403,9 +403,9 @@ where
     /// Largest step size (s) for which the integrator is stable on the contacts that touch in
     /// `state` and under the applied force. Returns `None` if there is no bound: an implicit or
     /// adaptive integrator, a body in flight without an applied force, or a state that is not
-    /// finite. It is `None` for [`EnergyMomentum`](crate::EnergyMomentum) too, which has a bound
-    /// under an applied force that depends on the pose: that of
-    /// [`StrangSplitting`](crate::StrangSplitting) without a ground.
+    /// finite. It is `None` for [`EnergyMomentum`] too, which has a bound under an applied force
+    /// that depends on the pose: that of [`StrangSplitting`](crate::StrangSplitting) without a
+    /// ground.
     ///
     /// The bound follows from the stiffness, the damping and the friction of all contacts together,
     /// with their lever arms and the inertia of the body. The applied force counts by its
@@ -432,8 +432,9 @@ where
     ///   slip, `μ N/slip`, is comparable with the damping or the stiffness along the normal.
     /// * A body that slides on several contacts may have pairs of complex frequencies. The bound
     ///   can then be too long by a third for methods other than `ForwardEuler` and `Rk4`.
-    /// * With [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long because of friction,
-    ///   and up to 25 % where springs and dampers of an applied force act on different motions.
+    /// * With [`Nystrom`](crate::Nystrom), the bound can be up to 10 % too long because of
+    ///   friction, and up to 25 % where springs and dampers of an applied force act on different
+    ///   motions.
     /// * A motion that grows by itself has no bound, such as a fall from a balance, or the flutter
     ///   of a body that slides. Neither has a motion a thousand times slower than the fastest.
     /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, counts as

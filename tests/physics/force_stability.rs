@@ -197,8 +197,8 @@ fn steps_are_stable_below_the_limit_of_a_force_and_grow_above_it() {
                     limit,
                 )
             };
-            // Explicit Euler has no stable step for a motion without damping. It and Nyström's method
-            // amplify one with weak damping by little.
+            // Explicit Euler has no stable step for a motion without damping. It and Nyström's
+            // method amplify one with weak damping by little.
             let is_euler = method == "ForwardEuler";
             if limit > 0.0 {
                 let (part, growth) = match method {
