@@ -18,6 +18,8 @@ mapfile -t probes < <(nm --defined-only "$library" 2>/dev/null | awk '$2 == "T" 
 # A symbol is needed if a relocation of what is kept names it. The linker also keeps the names that only the rest needs.
 link() {
   ld -r --gc-sections --entry="$1" "${@/#/--undefined=}" -o "$work/probes.o" "$library"
+  # The compiler's own library, which conversions of long integers need, carries bitcode. nm may read that in place of the symbols.
+  objcopy --remove-section=.llvmbc --remove-section=.llvmcmd "$work/probes.o"
   nm --undefined-only "$work/probes.o" | awk '{ print $2 }' | sort -u >"$work/undefined"
   readelf --relocs --wide "$work/probes.o" | awk '{ print $5 }' | sort -u | comm -12 - "$work/undefined" >"$work/needed"
   echo "$# probes need from outside: $(tr '\n' ' ' <"$work/needed")"
