@@ -129,19 +129,33 @@
 //! All integrators conserve the angular momentum in flight. The column *conserves* has what is
 //! conserved in addition. [`CompactEnergyMomentum`] has the properties of [`EnergyMomentum`].
 //!
-//! | | order | force evaluations a step | conserves | may add energy | stable for |
-//! |---|---|---|---|---|---|
-//! | [`EnergyMomentum`] | 2 | 2 to 5 in contact, each at twice the cost; none in flight | energy, if nothing dissipates it | never | every step; `dt < 2/ω` on springs of an applied force |
-//! | [`StrangSplitting`] | 2, and 1 through touch-downs | 2 in contact, 1 in flight | energy without drift (no bounces); flight exactly | O(dt²) | `dt < 2/ω` and `dt < 2/δ` |
-//! | [`SymplecticEuler`] | 1 | 1 | energy without drift (no bounces); rotation in flight exactly | O(dt) | `dt < 2 (√(1+ζ²) - ζ)/ω` |
-//! | [`Rk4`] | 4, and 1 through touch-downs | 4 | - | O(dt⁵) a step | `dt < 2.61/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
-//! | [`Nystrom`] | 4, and 2 through touch-downs | 4 | - | O(dt⁶) a step | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
-//! | [`BogackiShampine32`] | 3 | 3 | - | by its error | any tolerance: the step size is adaptive |
-//! | [`DormandPrince54`] | 5 | 6 | - | by its error | any tolerance: the step size is adaptive |
-//! | [`AdaptiveEnergyMomentum`] | 2 | those of three steps of `EnergyMomentum` | as `EnergyMomentum` | never | any tolerance: the step size is adaptive |
-//! | [`AdaptiveNystrom`] | 4, and 2 through touch-downs | 4 | - | by its error | any tolerance: the step size is adaptive |
-//! | [`Radau5`] | 5 | 6 to 30 | - | by its error | any tolerance: implicit |
-//! | [`ForwardEuler`] | 1 | 1 | - | in every step | `dt < 2 ζ/ω`, and `ζ < 1` |
+//! | | order | force evaluations a step | conserves | may add energy |
+//! |---|---|---|---|---|
+//! | [`EnergyMomentum`] | 2 | 2 to 5 of twice the cost; 0 in flight | energy, if no loss | never |
+//! | [`StrangSplitting`] | 2 (1) | 2, and 1 in flight | energy (no bounces); flight | O(dt²) |
+//! | [`SymplecticEuler`] | 1 | 1 | energy (no bounces); rotation in flight | O(dt) |
+//! | [`Rk4`] | 4 (1) | 4 | - | O(dt⁵) a step |
+//! | [`Nystrom`] | 4 (2) | 4 | - | O(dt⁶) a step |
+//! | [`BogackiShampine32`] | 3 | 3 | - | by its error |
+//! | [`DormandPrince54`] | 5 | 6 | - | by its error |
+//! | [`AdaptiveEnergyMomentum`] | 2 | three times `EnergyMomentum` | as that | never |
+//! | [`AdaptiveNystrom`] | 4 (2) | 4 | - | by its error |
+//! | [`Radau5`] | 5 | 6 to 30 | - | by its error |
+//! | [`ForwardEuler`] | 1 | 1 | - | in every step |
+//!
+//! In parentheses is the order through touch-downs. Energy is conserved without drift, flight and
+//! rotation exactly.
+//!
+//! | | stable for |
+//! |---|---|
+//! | [`EnergyMomentum`] | every step; `dt < 2/ω` on springs of an applied force |
+//! | [`StrangSplitting`] | `dt < 2/ω` and `dt < 2/δ` |
+//! | [`SymplecticEuler`] | `dt < 2 (√(1+ζ²) - ζ)/ω` |
+//! | [`Rk4`] | `dt < 2.61/ω` and `dt < 2.78/δ`; `dt < 2.83/ω` without dampers |
+//! | [`Nystrom`] | `dt < 2.36/ω` and `dt < 2.78/δ`, with `ζ > 2.1e-4 (ω dt)⁵` |
+//! | [`ForwardEuler`] | `dt < 2 ζ/ω`, and `ζ < 1` |
+//! | [`Radau5`] | any tolerance: implicit |
+//! | the other adaptive ones | any tolerance: the step size is adaptive |
 //!
 //! `dt` is the step size (s). `ω` (rad/s) and `δ` (1/s) are the highest frequency and the highest
 //! rate of damping that the contacts give the body, and `ζ = δ/(2 ω)`. A contact at arm `r` with
