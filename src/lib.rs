@@ -140,7 +140,7 @@
 //! | [`DormandPrince54`] | 5 | 6 | - | by its error |
 //! | [`AdaptiveEnergyMomentum`] | 2 | three times `EnergyMomentum` | as that | never |
 //! | [`AdaptiveNystrom`] | 4 (2) | 4 | - | by its error |
-//! | [`Radau5`] | 5 | 6 to 30 | - | by its error |
+//! | [`Radau5`] | 5 | 5 to 30, and 1 in flight | - | by its error |
 //! | [`ForwardEuler`] | 1 | 1 | - | in every step |
 //!
 //! In parentheses is the order through touch-downs. Energy is conserved without drift, flight and
@@ -298,6 +298,7 @@ pub use real::Real;
 pub use rotation::Rotation;
 pub use scene::{Dynamics, Rates, Scene};
 pub use session::{DenseStep, Moment, SavedSession, Session};
+pub use stability::LinearMotion;
 pub use state::{Motion, State};
 pub use stepper::{Stepper, StepperBuilder};
 pub use trial::{Start, Trial};

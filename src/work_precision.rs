@@ -195,15 +195,15 @@ pub struct Row<S = Setting> {
     /// (or the radius of gyration, if that is larger).
     pub error: f64,
     /// Time of the run on this machine: the shortest of three runs, or the first alone if it took
-    /// more than 0.1 s.
+    /// more than 0.1 s. [`Duration::MAX`] if the scene refused the integrator.
     pub time: Duration,
-    /// Number of force evaluations.
+    /// Number of force evaluations, 0 if the run failed.
     pub evaluations: u64,
-    /// Number of accepted steps.
+    /// Number of accepted steps, 0 if the run failed.
     pub steps: u64,
-    /// Number of rejected attempts.
+    /// Number of rejected attempts, 0 if the run failed.
     pub rejected: u64,
-    /// Largest increase of the energy in a step, J; 0 if it never increased.
+    /// Largest increase of the energy in a step, J; 0 if it never increased, or if the run failed.
     pub energy_rise: f64,
     /// Cause of the failure, if the run failed.
     pub failure: Option<Failure>,
@@ -289,7 +289,8 @@ impl<S: fmt::Display> WorkPrecision<S> {
     }
 }
 
-/// Writes `setting, error, time, evaluations, energy rise`, one row a line.
+/// Writes `setting, error, time, evaluations, energy rise`, one row a line, or the cause of a
+/// failure.
 impl<S: fmt::Display> fmt::Display for WorkPrecision<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -298,17 +299,21 @@ impl<S: fmt::Display> fmt::Display for WorkPrecision<S> {
             "setting", "error, m", "time, µs", "evaluations", "rise, J"
         )?;
         for row in &self.rows {
-            let (error, micros) = (row.error, row.time.as_secs_f64() * 1e6);
             let setting = row.setting.to_string();
-            write!(
+            if let Some(failure) = row.failure {
+                let none = "-";
+                writeln!(
+                    f,
+                    "{setting:<36} {none:>9} {none:>11} {none:>11} {none:>12}  {failure}"
+                )?;
+                continue;
+            }
+            let (error, micros) = (row.error, row.time.as_secs_f64() * 1e6);
+            writeln!(
                 f,
                 "{setting:<36} {error:>9.1e} {micros:>11.1} {:>11} {:>12.1e}",
                 row.evaluations, row.energy_rise
             )?;
-            match row.failure {
-                Some(failure) => writeln!(f, "  {failure}")?,
-                None => writeln!(f)?,
-            }
         }
         Ok(())
     }

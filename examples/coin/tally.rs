@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use tumble::{Dynamics, Integrator, SceneError, State, Step, StepError};
+use tumble::{Dynamics, Integrator, LinearMotion, SceneError, State, Step, StepError};
 
 /// Sums over the steps of a run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,6 +63,15 @@ impl<I: Integrator<f64>> Integrator<f64> for Tallied<I> {
 
     fn largest_stable_step(&self, stiffness: f64, damping: f64) -> Option<f64> {
         self.integrator.largest_stable_step(stiffness, damping)
+    }
+
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        start: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        self.integrator.linear_step(motion, start, time_step)
     }
 
     fn check(&self) -> Result<(), SceneError> {

@@ -520,8 +520,8 @@ fn read<R: Real>(
     let increases = if event.is_integer_valued() {
         [R::ZERO; 2]
     } else {
-        let [before, behind] = [before, behind].map(|near| event.value(&path.sample(near)));
-        [value - before, behind - value]
+        let value_at = |near| valid((index, event), &path.sample(near));
+        [value - value_at(before)?, value_at(behind)? - value]
     };
     Ok(Reading { value, increases })
 }

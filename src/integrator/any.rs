@@ -11,6 +11,7 @@ use crate::integrator::explicit::{ForwardEuler, Nystrom, Rk4, StrangSplitting, S
 use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::Real;
 use crate::scene::Dynamics;
+use crate::stability::LinearMotion;
 use crate::state::State;
 
 /// A built-in integrator chosen at run time, for example from a file, a menu or an argument.
@@ -154,6 +155,15 @@ impl<R: Real> Integrator<R> for AnyIntegrator<R> {
 
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         each!(self, method => method.largest_stable_step(stiffness, damping))
+    }
+
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        start: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        each!(self, method => Integrator::<R>::linear_step(method, motion, start, time_step))
     }
 
     fn step_control(&self, workspace: &Workspace<R>, state: &State<R>) -> Option<StepControl<R>> {

@@ -24,6 +24,7 @@ use crate::integrator::interface::{Integrator, Step, StepControl};
 use crate::real::{Real, Vector};
 use crate::rotation::Rotation;
 use crate::scene::{Dynamics, is_asymmetric};
+use crate::stability::LinearMotion;
 use crate::state::State;
 
 /// Adds closed-form flight to an integrator: while no contact can close, one step is exact, of any
@@ -121,6 +122,15 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Flight<I> {
     #[inline]
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         self.0.largest_stable_step(stiffness, damping)
+    }
+
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        start: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        self.0.linear_step(motion, start, time_step)
     }
 
     #[inline]

@@ -7,6 +7,7 @@ use crate::error::{self, SceneError, StepError};
 use crate::integrator::lanes::Lanes;
 use crate::real::Real;
 use crate::scene::Dynamics;
+use crate::stability::LinearMotion;
 use crate::state::State;
 
 /// A numerical method that advances a state in time.
@@ -103,6 +104,41 @@ pub trait Integrator<R: Real = f64> {
     #[inline]
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         let _ = (stiffness, damping);
+        None
+    }
+
+    /// Takes one step of a linear motion from `[y, y']`, for
+    /// [`Stepper::largest_stable_step`](crate::Stepper::largest_stable_step).
+    ///
+    /// The step is that of the method on the equation of `motion`, and `time_step` is in its unit
+    /// of time. Returns `None` if the method multiplies each solution `e^(λ t)` by a function of
+    /// `h λ`. So does a Runge-Kutta method, and
+    /// [`largest_stable_step`](Self::largest_stable_step) then says everything. A splitting method
+    /// does not, if springs and dampers act on different motions.
+    ///
+    /// The provided method returns `None`.
+    ///
+    /// ```
+    /// use tumble::LinearMotion;
+    ///
+    /// /// Semi-implicit Euler.
+    /// fn step(motion: &LinearMotion, start: [[f64; 6]; 2], h: f64) -> [[f64; 6]; 2] {
+    ///     let [mut y, mut v] = start;
+    ///     let acceleration = motion.acceleration(&y, &v);
+    ///     for i in 0..6 {
+    ///         v[i] += acceleration[i] * h;
+    ///         y[i] += v[i] * h;
+    ///     }
+    ///     [y, v]
+    /// }
+    /// ```
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        start: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        let _ = (motion, start, time_step);
         None
     }
 

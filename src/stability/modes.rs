@@ -1,237 +1,121 @@
-//! Modes of `y'' + C y' + K y = 0`, as oscillators of one coordinate.
+//! Modes of a linear motion, as oscillators of one coordinate.
 //!
-//! With `v = y'`, the motion is `(y, v)' = A (y, v)`. An orthogonal similarity brings A to a block
-//! triangular form whose blocks have one or two rows. A block of two rows with a pair of complex
-//! eigenvalues has the determinant κ and the trace -δ of the oscillator `y'' + δ y' + κ y = 0`,
-//! whose solutions have the same rates. Real eigenvalues -δ are those of `y'' + δ y' = 0`.
-//!
-//! The form is computed by the QR method with double shifts (Francis 1961; Golub & Van Loan, Matrix
-//! Computations, 4th edition, section 7.5). A has its norm near 1 by the choice of the unit of
-//! time. The numbers are always f64: in single precision, rounding would hide a weak damping.
+//! An eigenvalue λ of the motion is a solution `e^(λ t) x`. A pair of complex eigenvalues has the
+//! rates of the oscillator `y'' + δ y' + κ y = 0` with `κ = |λ|²` and `δ = -2 Re λ`. A real
+//! eigenvalue -δ is that of `y'' + δ y' = 0`.
 
-use super::matrix::Matrix;
+use super::eigenvalues::{each_eigenvalue, length};
+use super::motion::{LinearMotion, SIZE};
 use crate::real::Real;
 
-/// Number of coordinates and velocities.
-const SIZE: usize = 12;
-/// Steps of the QR method. Two or three for each eigenvalue are usual.
-const MOST_STEPS: usize = 30 * SIZE;
-/// Steps without a new block after which other shifts are taken.
-const PATIENCE: usize = 10;
-/// Damping that may be rounding, in units in the last place of the matrices and in the unit of
-/// frequency.
-const ROUNDING: f64 = 1024.0;
 /// Frequency below which a mode may be rounding of one without a frequency, in the unit of
 /// frequency.
 const SLOWEST: f64 = 1e-3;
-/// Calls `see` with the stiffness κ (1/s²) and the damping δ (1/s) of each mode that does not grow.
+/// Frequency below which a mode is taken for a free motion, in the unit of frequency and in f64. A
+/// chain of four derivatives with rounding has `ε^(1/4)`, 1.2e-4.
+const FREE: f64 = 2e-4;
+/// Angle by which a mode turns in a step that resolves it, rad.
 ///
-/// The unit of frequency is the larger of the greatest entry of C and the square root of that of K.
-/// Modes slower than a thousandth of it are left out. A mode whose damping is rounding has none.
-pub(super) fn each_mode<R: Real>(
-    stiffness: &Matrix<R>,
-    damping: &Matrix<R>,
-    mut see: impl FnMut([R; 2]),
-) {
-    let unit = (stiffness.largest().to_f64().sqrt()).at_least(damping.largest().to_f64());
-    if !(unit > 0.0 && unit.is_finite()) {
-        return;
-    }
-    let rounding = R::EPSILON.to_f64() * ROUNDING;
-    let mut motion = Triangular::of(companion(stiffness, damping, unit));
-    motion.each_block(|[stiffness, damping]| {
-        if damping >= -rounding {
-            let damping = if damping > rounding { damping } else { 0.0 };
-            see([stiffness * unit * unit, damping * unit].map(R::from_f64));
-        }
-    });
+/// [`Nystrom`](crate::Nystrom) amplifies an oscillation on springs by less than 1e-4 per rad there.
+pub(super) const RESOLVED: f64 = 0.8;
+
+/// What the modes of a motion say of the step of a method.
+pub(super) struct Modes {
+    /// Smallest limit of a mode, in the unit of time. Infinite if no mode has one.
+    pub(super) limit: f64,
+    /// Smallest step size that a mode does not allow or does not resolve, in the unit of time.
+    pub(super) scale: f64,
+    /// Limit and rate of the modes that are resolved up to their limit: what bounds their step is
+    /// weak amplification.
+    resolved: [[f64; 2]; SIZE],
+    resolved_count: usize,
+    /// Largest rate at which a mode grows by itself, in the unit of frequency.
+    pub(super) growth: f64,
+    /// Number of eigenvalues that may be rounding of 0.
+    pub(super) free: usize,
 }
 
-/// Matrix A of the motion in this unit of frequency.
-fn companion<R: Real>(
-    stiffness: &Matrix<R>,
-    damping: &Matrix<R>,
-    unit: f64,
-) -> [[f64; SIZE]; SIZE] {
-    let mut rows = [[0.0; SIZE]; SIZE];
-    let (positions, velocities) = rows.split_at_mut(SIZE / 2);
-    for (i, row) in positions.iter_mut().enumerate() {
-        row[SIZE / 2 + i] = 1.0;
-    }
-    let accelerations = stiffness.0.iter().zip(&damping.0);
-    for (row, (by_position, by_velocity)) in velocities.iter_mut().zip(accelerations) {
-        let (left, right) = row.split_at_mut(SIZE / 2);
-        for (value, k) in left.iter_mut().zip(by_position) {
-            *value = -(k.to_f64() / unit / unit);
-        }
-        for (value, c) in right.iter_mut().zip(by_velocity) {
-            *value = -(c.to_f64() / unit);
-        }
-    }
-    rows
-}
-
-/// Matrix on the way to its block triangular form, by orthogonal similarities.
-struct Triangular<const N: usize>([[f64; N]; N]);
-
-impl<const N: usize> Triangular<N> {
-    /// Brings a matrix to Hessenberg form: 0 below the first subdiagonal.
-    fn of(rows: [[f64; N]; N]) -> Self {
-        let mut matrix = Self(rows);
-        for column in 0..N.saturating_sub(2) {
-            let below = matrix.0.map(|row| row[column]);
-            matrix.reflect(column + 1, &below[column + 1..]);
-            for row in matrix.0.iter_mut().skip(column + 2) {
-                row[column] = 0.0;
-            }
-        }
-        matrix
-    }
-
-    /// Calls `see` with the stiffness and the damping of each block, from the last one on. Blocks
-    /// that do not converge are left out.
-    fn each_block(&mut self, mut see: impl FnMut([f64; 2])) {
-        let (mut end, mut steps_since_block) = (N, 0);
-        for _ in 0..MOST_STEPS {
-            let start = self.start_of_block(end);
-            match end - start {
-                0 => return,
-                1 => see_real(self.0[start][start], &mut see),
-                2 => see_pair(self.sums(end), &mut see),
-                _ => {
-                    steps_since_block += 1;
-                    self.step(start, end, steps_since_block % PATIENCE == 0);
-                    continue;
-                }
-            }
-            (end, steps_since_block) = (start, 0);
-        }
-    }
-
-    /// First row of the block that ends before the row `end`: the entry before it is 0 but for
-    /// rounding.
-    fn start_of_block(&self, end: usize) -> usize {
-        let is_cut = |&row: &usize| {
-            let near = self.0[row][row].abs() + self.0[row - 1][row - 1].abs();
-            let scale = if near > 0.0 { near } else { 1.0 };
-            self.0[row][row - 1].abs() <= f64::EPSILON * scale
+impl Modes {
+    /// Looks at the modes that do not grow and are not slow. A mode whose damping is rounding has none.
+    pub(super) fn of<R: Real>(motion: &LinearMotion, limit: &impl Fn(R, R) -> Option<R>) -> Self {
+        let mut modes = Self {
+            limit: f64::INFINITY,
+            scale: f64::INFINITY,
+            resolved: [[0.0; 2]; SIZE],
+            resolved_count: 0,
+            growth: 0.0,
+            free: 0,
         };
-        (1..end).rev().find(is_cut).unwrap_or(0)
+        each_eigenvalue(motion.rates(), |[re, im]| {
+            let rate = length(&[re, im]);
+            if rate < FREE.max(8.0 * motion.rounding) {
+                modes.free += if im > 0.0 { 2 } else { 1 };
+                return;
+            }
+            if re > 0.5 * motion.rounding {
+                modes.growth = modes.growth.max(re);
+                return;
+            }
+            if rate < SLOWEST {
+                return;
+            }
+            let [stiffness, damping] = if im > 0.0 {
+                [rate * rate, -2.0 * re]
+            } else {
+                [0.0, -re]
+            };
+            let damping = if damping > motion.rounding {
+                damping
+            } else {
+                0.0
+            };
+            modes.see(rate, motion.limit_of([stiffness, damping], limit));
+        });
+        modes
     }
 
-    /// Trace and determinant of the two rows before `end`.
-    fn sums(&self, end: usize) -> [f64; 2] {
-        let (i, j) = (end - 2, end - 1);
-        let m = &self.0;
-        [m[i][i] + m[j][j], m[i][i] * m[j][j] - m[i][j] * m[j][i]]
+    /// Limit and rate of the modes that are resolved up to their limit.
+    pub(super) fn resolved(&self) -> impl Iterator<Item = &[f64; 2]> {
+        self.resolved.iter().take(self.resolved_count)
     }
 
-    /// One step of the QR method, with both eigenvalues of the last two rows as shifts.
-    fn step(&mut self, start: usize, end: usize, is_exceptional: bool) {
-        let [mut trace, mut determinant] = self.sums(end);
-        if is_exceptional {
-            let size = self.0[end - 1][end - 2].abs() + self.0[end - 2][end - 3].abs();
-            (trace, determinant) = (1.5 * size, size * size);
-        }
-        let (m, next) = (&self.0, start + 1);
-        let (a, d) = (m[start][start], m[next][next]);
-        let coupling = m[start][next] * m[next][start];
-        let mut column = [
-            a * a + coupling - trace * a + determinant,
-            m[next][start] * (a + d - trace),
-            m[next][start] * m[start + 2][next],
-        ];
-        for row in start..end - 1 {
-            let length = (end - row).min(3);
-            self.reflect(row, &column[..length]);
-            let below = |i: usize| self.0.get(row + i).map_or(0.0, |values| values[row]);
-            column = [below(1), below(2), below(3)];
-        }
-        for row in start + 2..end {
-            self.0[row][..row - 1].fill(0.0);
-        }
-    }
-
-    /// Similarity by the reflection that takes `column`, in the rows from `first` on, to a multiple
-    /// of the first of them.
-    fn reflect(&mut self, first: usize, column: &[f64]) {
-        let mut mirror = [0.0; N];
-        let mirror = &mut mirror[..column.len()];
-        mirror.copy_from_slice(column);
-        let size = length(mirror);
-        if size == 0.0 {
+    fn see(&mut self, rate: f64, limit: f64) {
+        self.limit = self.limit.min(limit);
+        if limit * rate >= RESOLVED {
+            self.scale = self.scale.min(limit);
             return;
         }
-        mirror[0] += if mirror[0] < 0.0 { -size } else { size };
-        let size = length(mirror);
-        mirror.iter_mut().for_each(|value| *value /= size);
-
-        let places = first..first + mirror.len();
-        let rows = &mut self.0[places.clone()];
-        let mut sums = [0.0; N];
-        for (row, &part) in rows.iter().zip(&*mirror) {
-            add(&mut sums, part, row);
+        self.scale = self.scale.min(RESOLVED / rate);
+        if let Some(place) = self.resolved.get_mut(self.resolved_count) {
+            *place = [limit, rate];
+            self.resolved_count += 1;
         }
-        for (row, &part) in rows.iter_mut().zip(&*mirror) {
-            add(row, -2.0 * part, &sums);
-        }
-        for row in &mut self.0 {
-            let row = &mut row[places.clone()];
-            let sum: f64 = row.iter().zip(&*mirror).map(|(&a, &b)| a * b).sum();
-            add(row, -2.0 * sum, mirror);
-        }
-    }
-}
-
-/// Adds a multiple of a vector.
-fn add(to: &mut [f64], factor: f64, other: &[f64]) {
-    (to.iter_mut().zip(other)).for_each(|(value, &other)| *value += factor * other);
-}
-
-fn length(vector: &[f64]) -> f64 {
-    vector.iter().map(|value| value * value).sum::<f64>().sqrt()
-}
-
-/// Calls `see` with the oscillator of a real eigenvalue, if it does not grow.
-fn see_real(rate: f64, see: &mut impl FnMut([f64; 2])) {
-    if rate < -SLOWEST {
-        see([0.0, -rate]);
-    }
-}
-
-/// Calls `see` with the oscillators of two eigenvalues with this sum and product.
-fn see_pair([trace, determinant]: [f64; 2], see: &mut impl FnMut([f64; 2])) {
-    let half = 0.5 * trace;
-    let square = half * half - determinant;
-    if square < 0.0 {
-        if determinant >= SLOWEST * SLOWEST {
-            see([determinant, -trace]);
-        }
-        return;
-    }
-    // Without cancellation: the larger of both, and the product by it.
-    let larger = if half < 0.0 {
-        half - square.sqrt()
-    } else {
-        half + square.sqrt()
-    };
-    see_real(larger, see);
-    if larger != 0.0 {
-        see_real(determinant / larger, see);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::matrix::Matrix;
+    use super::super::response::Response;
     use super::*;
     use alloc::vec::Vec;
     use approx::assert_relative_eq;
+    use core::cell::RefCell;
     use proptest::prelude::*;
 
     fn modes(stiffness: &[[f64; 6]; 6], damping: &[[f64; 6]; 6]) -> Vec<[f64; 2]> {
-        let mut found = Vec::new();
-        let (stiffness, damping) = (Matrix(*stiffness), Matrix(*damping));
-        each_mode(&stiffness, &damping, |mode| found.push(mode));
+        let response = Response {
+            stiffness: Matrix(*stiffness),
+            damping: Matrix(*damping),
+        };
+        let found = RefCell::new(Vec::new());
+        if let Some(motion) = LinearMotion::of(&response) {
+            Modes::of(&motion, &|stiffness: f64, damping| {
+                found.borrow_mut().push([stiffness, damping]);
+                None
+            });
+        }
+        let mut found = found.into_inner();
         found.sort_by(|a, b| a.partial_cmp(b).unwrap());
         found
     }

@@ -10,13 +10,6 @@ use crate::state::State;
 
 use super::matrix::Matrix;
 
-/// Whether the response includes the increase of friction with the load.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Friction {
-    GrowsWithLoad,
-    HasNoLoad,
-}
-
 /// Response of the contacts of a state to a small displacement and a small velocity, as
 /// accelerations.
 pub(super) struct Response<R> {
@@ -24,17 +17,10 @@ pub(super) struct Response<R> {
     pub(super) stiffness: Matrix<R>,
     /// `M⁻¹ C`, 1/s.
     pub(super) damping: Matrix<R>,
-    /// Part of the damping that needs no springs, 1/s: that of friction and of the applied force.
-    pub(super) friction: Matrix<R>,
-    /// Largest ratio of damping to stiffness of a single contact, s.
-    pub(super) largest_ratio: R,
-    load: Friction,
-    /// Whether a contact slides with a friction force that increases with its load.
-    pub(super) is_coupled: bool,
 }
 
 impl<R: Real> Response<R> {
-    pub(super) fn at<D: Dynamics<R>>(scene: &D, state: &State<R>, load: Friction) -> Self {
+    pub(super) fn at<D: Dynamics<R>>(scene: &D, state: &State<R>) -> Self {
         let motion = scene.motion(state);
         let frame = Frame {
             scene,
@@ -44,16 +30,11 @@ impl<R: Real> Response<R> {
         let mut response = Self {
             stiffness: Matrix::ZERO,
             damping: Matrix::ZERO,
-            friction: Matrix::ZERO,
-            largest_ratio: R::ZERO,
-            load,
-            is_coupled: false,
         };
         scene.visit_contacts(&motion, |contact| response.add(&frame, contact));
         if scene.force().acts() {
             response.add_applied_force(&frame);
         }
-        response.damping.add(&response.friction);
         response
     }
 
@@ -63,21 +44,13 @@ impl<R: Real> Response<R> {
         let (ground, friction_law) = contact.laws(frame.scene.ground(), frame.scene.friction());
         let load = ground.normal_force(contact.depth, contact.closing_speed);
         let jacobian = jacobian_at(&friction_law, load, contact);
-        let by_load = friction_by_load(&friction_law, contact, &jacobian);
-        self.is_coupled |= by_load != R::Vec3::ZERO;
-        let pushed = match self.load {
-            Friction::GrowsWithLoad => normal + by_load,
-            Friction::HasNoLoad => normal,
-        };
+        let pushed = normal + friction_by_load(&friction_law, contact, &jacobian);
         let answer = frame.acceleration(pushed, contact.arm.cross(pushed));
         let row = frame.row(normal, contact.arm.cross(normal));
         let [k, c] =
             slopes(&ground, contact, dot(&answer, &row)).map(|slope| slope * contact.weight);
         self.stiffness.add_outer(k, &answer, &row);
         self.damping.add_outer(c, &answer, &row);
-        if k > R::ZERO {
-            self.largest_ratio = self.largest_ratio.at_least(c / k);
-        }
 
         let speed = contact.slip_velocity.length();
         let [along, across] = tangents(normal, contact.slip_velocity, speed);
@@ -98,7 +71,7 @@ impl<R: Real> Response<R> {
         damping: R,
     ) {
         let answer = frame.acceleration(direction, moment);
-        (self.friction).add_outer(damping, &answer, &frame.row(direction, moment));
+        (self.damping).add_outer(damping, &answer, &frame.row(direction, moment));
     }
 
     /// Adds rolling resistance and spinning friction, if the friction law has them.
@@ -135,7 +108,7 @@ impl<R: Real> Response<R> {
             let per_speed = force.along_velocity(shift, turn);
             let per_path = force.along_path(shift, turn);
             for (matrix, change) in [
-                (&mut self.friction, per_speed),
+                (&mut self.damping, per_speed),
                 (&mut self.stiffness, per_path),
             ] {
                 let answer = frame.acceleration(-change.force, -change.torque);

@@ -8,9 +8,9 @@
 //! an allocation or the composition is the subject.
 
 use tumble::{
-    ContactModel, Dynamics, EnergyMomentum, Force, InertiaProperties, Integrator, Real,
-    RigidPointBody, SceneError, SlidingFriction, SpringDamperGround, State, Step, StepControl,
-    StepError,
+    ContactModel, Dynamics, EnergyMomentum, Force, InertiaProperties, Integrator, LinearMotion,
+    Real, RigidPointBody, SceneError, SlidingFriction, SpringDamperGround, State, Step,
+    StepControl, StepError,
 };
 
 /// An integrator that reaches the parts of a scene through pointers.
@@ -49,6 +49,15 @@ impl<R: Real, I: Integrator<R>> Integrator<R> for Once<I> {
 
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         self.0.largest_stable_step(stiffness, damping)
+    }
+
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        start: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        self.0.linear_step(motion, start, time_step)
     }
 
     fn step_control(&self, workspace: &I::Workspace, state: &State<R>) -> Option<StepControl<R>> {

@@ -461,3 +461,43 @@ fn a_thrust_that_turns_with_the_body_bounds_no_step() {
         );
     });
 }
+
+/// A force that rotates the velocity at a rate ω has the rates `± i ω` in the velocities alone.
+/// `Rk4` and `Nystrom`, which is `Rk4` for the velocities, are stable up to `2 √2/ω`. The other
+/// methods amplify at every step size: by `√(1 + (h ω)²)`, and `StrangSplitting` by
+/// `√(1 + (h ω)⁴/4)`. Their bound is where rounding hides it.
+#[test]
+fn a_force_that_rotates_the_velocity_bounds_the_step_by_its_rate() {
+    struct Magnetic(f64);
+    impl Force for Magnetic {
+        fn wrench(&self, motion: &Motion) -> Wrench {
+            Wrench::of_force(DVec3::Z.cross(motion.linear_velocity) * self.0)
+        }
+        fn is_passive(&self) -> bool {
+            true
+        }
+    }
+    let rate = 3.0;
+    // In the air, and on damped ground whose own limit is shorter.
+    for (height, is_bound_by_ground) in [(1.0, false), (0.099, true)] {
+        let state = State::at(DVec3::Z * height).with_linear_velocity(DVec3::X);
+        each_explicit!(1e-3, |integrator, method| {
+            let plain = Stepper::new(Sphere::solid(1.0, 0.1))
+                .and_then(|stepper| stepper.with_ground(FlatGround::level(1e4, 20.0)))
+                .and_then(|stepper| stepper.with_integrator(integrator))
+                .unwrap();
+            let turned = plain.with_force(Magnetic(rate)).unwrap();
+            let limit = turned.largest_stable_step(&state);
+            let product = limit.unwrap() * rate;
+            match method {
+                "Rk4" | "Nystrom" if is_bound_by_ground => {
+                    let ground = plain.largest_stable_step(&state).unwrap();
+                    assert!(near(limit, ground), "{method}: {limit:?}, not {ground}");
+                }
+                "Rk4" | "Nystrom" => assert!(near(Some(product), 8.0_f64.sqrt()), "{product}"),
+                "ForwardEuler" => assert_eq!(limit, Some(0.0)),
+                _ => assert!(product < 0.01, "{method}: {product}"),
+            }
+        });
+    }
+}

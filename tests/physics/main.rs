@@ -31,6 +31,7 @@ mod once;
 mod outcome;
 mod passing_contacts;
 mod rigidity;
+mod stable_step;
 mod step_at_rest;
 mod stick_on_slopes;
 mod symmetry;

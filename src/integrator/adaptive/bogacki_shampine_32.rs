@@ -27,11 +27,12 @@ use super::method::adaptive_method;
 /// *May add energy* by the size of its error.
 ///
 /// *Not for contacts that stick or roll at a small slip speed.* Stability limits each step to about
-/// `2.5 slip_speed/(a μ g)`, whatever the tolerance. Here μ is the coefficient of friction, g is
-/// gravity, and `a = 1 + m r²/I` is 3 for a ring and 3.5 for a solid ball. A run then ends with
-/// [`BudgetSpent`](crate::StepError::BudgetSpent). With a slip speed of 1e-6 m/s a rolling ball
-/// takes a million steps in half a second. Use [`Radau5`](crate::Radau5) there, or
-/// [`EnergyMomentum`](crate::EnergyMomentum).
+/// `2.5 slip_speed/(a μ g)`. Here μ is the coefficient of friction, g is gravity, and
+/// `a = 1 + m r²/I` is 3 for a ring and 3.5 for a solid ball. With a slip speed of 1e-6 m/s a
+/// rolling ball exceeds the default budget of a million steps within a second, for tolerances of
+/// 1e-6 m and less ([`BudgetSpent`](crate::StepError::BudgetSpent)). In longer steps the contact
+/// slips to and fro. A tolerance far above `slip_speed` times 1 s allows that, and fewer steps. Use
+/// [`Radau5`](crate::Radau5) there, or [`EnergyMomentum`](crate::EnergyMomentum).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BogackiShampine32<R = f64> {

@@ -6,6 +6,7 @@ use crate::integrator::interface::{Integrator, Step, step_length};
 use crate::integrator::lanes::Lanes;
 use crate::real::Real;
 use crate::scene::{Dynamics, turned_freely};
+use crate::stability::{LinearMotion, ahead};
 use crate::state::State;
 
 /// Semi-implicit (symplectic) Euler method with exact torque-free rotation.
@@ -100,6 +101,16 @@ impl<R: Real> Integrator<R> for SymplecticEuler<R> {
         let four = R::from_f64(4.0);
         let root = (damping * damping + stiffness * four).sqrt();
         Some(four / (damping + root))
+    }
+
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        [y, v]: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        let v = ahead(&v, &motion.acceleration(&y, &v), time_step);
+        Some([ahead(&y, &v, time_step), v])
     }
 
     fn check(&self) -> Result<(), SceneError> {

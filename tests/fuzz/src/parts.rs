@@ -8,11 +8,12 @@ use tumble::{
     Bowl, Capsule, Carried, Coin, Cone, ContactLaw, ContactPoint, Coulomb, Cuboid, Disc,
     DormandPrince54, Dynamics, Ellipsoid, EnergyMomentum, FlatGround, Flight, Force, ForwardEuler,
     Frictionless, Ground, GroundBounds, GroundMotion, HuntCrossley, Impact, Integrator,
-    LimitedDamper, LoadDependentCoulomb, MassProperties, MeanForce, NoForce, NoGround, Nystrom,
-    Plane, PointCloud, PointMass, Radau5, Ramp, Real, RigidPointBody, Rk4, Rod, Rotation,
-    SceneError, Shape, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere, SpringDamper,
-    SpringDamperGround, State, Step, StepControl, StepError, Stepper, StrangSplitting, Stribeck,
-    Surface, SymplecticEuler, Terrain, ThickDisc, UniformGravity, Viscous, Waves, WithResistance,
+    LimitedDamper, LinearMotion, LoadDependentCoulomb, MassProperties, MeanForce, NoForce,
+    NoGround, Nystrom, Plane, PointCloud, PointMass, Radau5, Ramp, Real, RigidPointBody, Rk4, Rod,
+    Rotation, SceneError, Shape, SlidingFriction, SmoothCoulomb, Solid, SolidCoin, Sphere,
+    SpringDamper, SpringDamperGround, State, Step, StepControl, StepError, Stepper,
+    StrangSplitting, Stribeck, Surface, SymplecticEuler, Terrain, ThickDisc, UniformGravity,
+    Viscous, Waves, WithResistance,
 };
 
 use super::driven::{AnyForce, beside_walls, by_place, force, moving};
@@ -527,6 +528,15 @@ impl<R: Real> Integrator<R> for Method<R> {
     }
     fn largest_stable_step(&self, stiffness: R, damping: R) -> Option<R> {
         self.method.largest_stable_step(stiffness, damping)
+    }
+
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        start: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        self.method.linear_step(motion, start, time_step)
     }
     fn step_control(
         &self,

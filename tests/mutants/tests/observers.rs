@@ -13,5 +13,7 @@ mod events;
 mod force_stability;
 #[path = "../../physics/growth.rs"]
 mod growth;
+#[path = "../../physics/stable_step.rs"]
+mod stable_step;
 #[path = "../../physics/time.rs"]
 mod time;

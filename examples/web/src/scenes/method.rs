@@ -2,8 +2,9 @@
 
 use tumble::{
     AdaptiveEnergyMomentum, AdaptiveNystrom, AnyIntegrator, BogackiShampine32, ContactRange,
-    DormandPrince54, Dynamics, EnergyMomentum, Flight, ForwardEuler, Integrator, Nystrom, Radau5,
-    Rk4, SceneError, State, Step, StepControl, StepError, StrangSplitting, SymplecticEuler,
+    DormandPrince54, Dynamics, EnergyMomentum, Flight, ForwardEuler, Integrator, LinearMotion,
+    Nystrom, Radau5, Rk4, SceneError, State, Step, StepControl, StepError, StrangSplitting,
+    SymplecticEuler,
 };
 
 use super::error::PageError;
@@ -141,6 +142,15 @@ impl Integrator for Method {
 
     fn largest_stable_step(&self, stiffness: f64, damping: f64) -> Option<f64> {
         each!(self, method => method.largest_stable_step(stiffness, damping))
+    }
+
+    fn linear_step(
+        &self,
+        motion: &LinearMotion,
+        start: [[f64; 6]; 2],
+        time_step: f64,
+    ) -> Option<[[f64; 6]; 2]> {
+        each!(self, method => method.linear_step(motion, start, time_step))
     }
 
     fn step_control(&self, (plain, _): &Self::Workspace, state: &State) -> Option<StepControl> {

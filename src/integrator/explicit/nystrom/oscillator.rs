@@ -6,7 +6,35 @@
 //! small, they are far smaller than the rounding of the matrix. So they are computed from their
 //! coefficients, which follow from those of the method.
 
+use super::stages::{END, FOURTH, Row, SECOND, THIRD};
 use crate::real::Real;
+use crate::stability::{LinearMotion, ahead};
+
+/// Takes a step of a linear motion, from and to coordinates and velocities.
+pub(super) fn step(motion: &LinearMotion, start: [[f64; 6]; 2], time_step: f64) -> [[f64; 6]; 2] {
+    let acceleration = |[y, v]: [[f64; 6]; 2]| motion.acceleration(&y, &v);
+    let first = acceleration(start);
+    let second = acceleration(stage(&SECOND, &start, &[first], time_step));
+    let third = acceleration(stage(&THIRD, &start, &[first, second], time_step));
+    let fourth = acceleration(stage(&FOURTH, &start, &[first, second, third], time_step));
+    stage(&END, &start, &[first, second, third, fourth], time_step)
+}
+
+/// Returns the coordinates and velocities that a row of coefficients gives from the start and the
+/// previous stages.
+fn stage<const N: usize>(
+    row: &Row<N>,
+    [start, speed]: &[[f64; 6]; 2],
+    stages: &[[f64; 6]; N],
+    time_step: f64,
+) -> [[f64; 6]; 2] {
+    let (mut y, mut v) = (ahead(start, speed, row.time * time_step), *speed);
+    for ((stage, place), share) in stages.iter().zip(row.places).zip(row.speeds) {
+        y = ahead(&y, stage, place * time_step * time_step);
+        v = ahead(&v, stage, share * time_step);
+    }
+    [y, v]
+}
 
 /// Returns true if an amplification factor of a step exceeds 1 in magnitude. The arguments are
 /// `X` and `Y`, at least 0.
@@ -40,7 +68,6 @@ fn one_and_determinant_above_trace_per_x<R: Real>(x: R, y: R) -> R {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stages::{END, FOURTH, Row, SECOND, THIRD};
     use super::*;
     use crate::{Integrator, Nystrom};
     use approx::assert_relative_eq;
