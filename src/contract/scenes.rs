@@ -11,44 +11,39 @@ use crate::real::{Real, Vector};
 use crate::scene::Scene;
 use crate::state::State;
 
-type BoxBody<R> = PointCloud<R, [ContactPoint<R>; 8]>;
+pub(super) type BoxBody<R> = PointCloud<R, [ContactPoint<R>; 8]>;
+
+/// Scene without an applied force, on a ground that does not move.
+pub(super) type Plain<R> = Scene<BoxBody<R>, FlatGround<R>, SmoothCoulomb<R>, UniformGravity<R>, R>;
 
 /// Box of 1 m and 1 kg on flat ground.
-pub(super) struct Setup<R: Real> {
+pub(super) struct Setup<R: Real, S = Plain<R>> {
     pub(super) name: &'static str,
     pub(super) case: u32,
-    pub(super) scene: Scene<BoxBody<R>, FlatGround<R>, SmoothCoulomb<R>, UniformGravity<R>, R>,
+    pub(super) scene: S,
     pub(super) start: State<R>,
 }
 
 /// Parameters of a scene, with the metre, the kilogram and the integrator's step size as units.
 #[derive(Clone, Copy)]
-struct Parameters<R: Real> {
+pub(super) struct Parameters<R: Real> {
     /// Frequency of the body on all four lower corners.
-    frequency: R,
-    damping_ratio: R,
-    coefficient: R,
-    slip_speed: R,
-    gravity: R,
+    pub(super) frequency: R,
+    pub(super) damping_ratio: R,
+    pub(super) coefficient: R,
+    pub(super) slip_speed: R,
+    pub(super) gravity: R,
     /// Height of the ground.
-    level: R,
+    pub(super) level: R,
     /// Radius of the corners.
-    radius: R,
-    start: State<R>,
+    pub(super) radius: R,
+    pub(super) start: State<R>,
 }
 
 impl<R: Real> Setup<R> {
     /// Free flight with tumbling, without gravity.
     pub(super) fn flight(time_step: R) -> Result<Self, SceneError> {
-        let parameters = Parameters {
-            gravity: R::ZERO,
-            level: R::from_f64(-1e3),
-            start: State::at(v::<R>(0.1, -0.2, 0.3))
-                .with_linear_velocity(v::<R>(0.03, -0.02, 0.01))
-                .with_angular_momentum(v::<R>(0.003, 0.02, -0.004)),
-            ..Parameters::tame()
-        };
-        Self::new("free flight", 0, &parameters, time_step)
+        Self::new("free flight", 0, &Parameters::flight(), time_step)
     }
 
     /// Sliding with all four lower corners on the springs. No contact opens or closes.
@@ -104,33 +99,12 @@ impl<R: Real> Setup<R> {
         parameters: &Parameters<R>,
         time_step: R,
     ) -> Result<Self, SceneError> {
-        let per_second = R::ONE / time_step;
-        let frequency = parameters.frequency * per_second;
-        let quarter = R::from_f64(0.25);
-        let ground = FlatGround::level(
-            frequency * frequency * quarter,
-            parameters.damping_ratio * frequency * R::HALF,
-        );
-        let friction = SmoothCoulomb {
-            coefficient: parameters.coefficient,
-            slip_speed: parameters.slip_speed * per_second,
-        };
-        let gravity = UniformGravity::down(parameters.gravity * per_second * per_second);
-        let start = &parameters.start;
+        let (body, ground, friction, gravity) = parameters.parts(time_step)?;
         Ok(Self {
             name,
             case,
-            scene: Scene::new(
-                lopsided_box(parameters.radius)?,
-                ground.on(Plane::level(parameters.level)),
-                friction,
-                gravity,
-            )?,
-            start: State {
-                linear_velocity: start.linear_velocity * per_second,
-                angular_momentum: start.angular_momentum * per_second,
-                ..*start
-            },
+            scene: Scene::new(body, ground, friction, gravity)?,
+            start: parameters.start_in(time_step),
         })
     }
 }
@@ -140,7 +114,7 @@ impl<R: Real> Parameters<R> {
     ///
     /// An oscillation takes 31 steps, and friction stops a slip in 10 or more. The springs are
     /// compressed by half of the box's half height, so that small oscillations open no contact.
-    fn tame() -> Self {
+    pub(super) fn tame() -> Self {
         let c = R::from_f64;
         Self {
             frequency: c(0.2),
@@ -154,6 +128,58 @@ impl<R: Real> Parameters<R> {
                 .with_rotation_vector(v::<R>(0.02, -0.03, 0.5))
                 .with_linear_velocity(v::<R>(0.03, 0.01, 0.001))
                 .with_angular_momentum(v::<R>(0.0002, -0.0001, 0.003)),
+        }
+    }
+    /// Parameters of a flight with tumbling, without gravity.
+    pub(super) fn flight() -> Self {
+        Self {
+            gravity: R::ZERO,
+            level: R::from_f64(-1e3),
+            start: State::at(v::<R>(0.1, -0.2, 0.3))
+                .with_linear_velocity(v::<R>(0.03, -0.02, 0.01))
+                .with_angular_momentum(v::<R>(0.003, 0.02, -0.004)),
+            ..Self::tame()
+        }
+    }
+
+    /// Parts of the scene for an integrator's step size, s.
+    #[allow(clippy::type_complexity, reason = "the four parts of a scene")]
+    pub(super) fn parts(
+        &self,
+        time_step: R,
+    ) -> Result<
+        (
+            BoxBody<R>,
+            FlatGround<R>,
+            SmoothCoulomb<R>,
+            UniformGravity<R>,
+        ),
+        SceneError,
+    > {
+        let per_second = R::ONE / time_step;
+        let frequency = self.frequency * per_second;
+        let quarter = R::from_f64(0.25);
+        let ground = FlatGround::level(
+            frequency * frequency * quarter,
+            self.damping_ratio * frequency * R::HALF,
+        );
+        let friction = SmoothCoulomb {
+            coefficient: self.coefficient,
+            slip_speed: self.slip_speed * per_second,
+        };
+        let gravity = UniformGravity::down(self.gravity * per_second * per_second);
+        let plane = Plane::level(self.level);
+        let body = lopsided_box(self.radius)?;
+        Ok((body, ground.on(plane), friction, gravity))
+    }
+
+    /// State at the start for an integrator's step size, s.
+    pub(super) fn start_in(&self, time_step: R) -> State<R> {
+        let per_second = R::ONE / time_step;
+        State {
+            linear_velocity: self.start.linear_velocity * per_second,
+            angular_momentum: self.start.angular_momentum * per_second,
+            ..self.start
         }
     }
 }
@@ -178,7 +204,7 @@ fn lopsided_box<R: Real>(radius: R) -> Result<BoxBody<R>, SceneError> {
     PointCloud::with_storage(corners, &masses)
 }
 
-fn v<R: Real>(x: f64, y: f64, z: f64) -> R::Vec3 {
+pub(super) fn v<R: Real>(x: f64, y: f64, z: f64) -> R::Vec3 {
     R::Vec3::new(R::from_f64(x), R::from_f64(y), R::from_f64(z))
 }
 

@@ -2,8 +2,16 @@
 
 use super::*;
 use crate::error::{SceneError, StepError};
-use crate::scene::Dynamics;
-use crate::{CompactEnergyMomentum, EnergyMomentum, Flight, SymplecticEuler};
+use crate::force::{Force, Wrench};
+use crate::friction::{RollingResistance, SlidingFriction};
+use crate::gravity::UniformGravity;
+use crate::ground::{GroundMotion, SpringDamperGround, Surface};
+use crate::scene::Scene;
+use crate::state::Motion;
+use crate::{
+    BogackiShampine32, CompactEnergyMomentum, DormandPrince54, EnergyMomentum, Flight,
+    ForwardEuler, SymplecticEuler,
+};
 use glam::{DQuat, DVec3};
 
 /// `EnergyMomentum` with a fault: a change of the state after a step with a limit (s).
@@ -124,7 +132,7 @@ fn a_path_that_is_not_velocity_times_time_is_found_beyond_the_rounding_of_both()
         let method = EnergyMomentum { time_step };
         let attempt = Attempt {
             integrator: &Faulty { method, fault },
-            setup: Setup::flight(time_step).unwrap(),
+            setup: &Setup::flight(time_step).unwrap(),
             time_step,
         };
         attempt.tells_time()
@@ -222,4 +230,189 @@ fn the_energy_never_increases_with_the_compact_method_either() {
     let plan = CheckPlan { seed: 4, cases: 6 };
     let compact = CompactEnergyMomentum::<8> { time_step: 1e-2 };
     assert_eq!(check_energy_never_rises(&compact, plan), Ok(()));
+}
+
+/// Error of `Rk4` in the scenes with one role each, from which the number of its steps follows.
+#[test]
+fn the_reference_is_more_exact_than_the_bound_that_it_is_used_for() {
+    let time_step = 1e-3;
+    for setup in with_each_role(time_step).map(Result::unwrap) {
+        let attempt = Attempt {
+            integrator: &Rk4 { time_step },
+            setup: &setup,
+            time_step,
+        };
+        let [coarse, fine, finest] = [128, 512, 1024].map(|steps| attempt.run_in(steps).unwrap().0);
+        assert!(distance(&coarse, &finest, time_step) < 2e-10);
+        assert!(distance(&fine, &finest, time_step) < 1e-12);
+    }
+}
+
+/// A part of a scene that a method can forget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    Force,
+    Torque,
+    GroundMotion,
+    GroundRotation,
+    Resistance,
+    RollingResistance,
+    SpinningResistance,
+}
+
+/// A force without its torque.
+struct Central<'a, E>(&'a E);
+
+impl<E: Force> Force for Central<'_, E> {
+    fn wrench(&self, motion: &Motion) -> Wrench {
+        Wrench::of_force(self.0.wrench(motion).force)
+    }
+    fn is_passive(&self) -> bool {
+        self.0.is_passive()
+    }
+    fn acts(&self) -> bool {
+        self.0.acts()
+    }
+}
+
+/// A ground with another motion.
+struct Moved<'a, G>(&'a G, Option<GroundMotion>);
+
+impl<G: SpringDamperGround> SpringDamperGround for Moved<'_, G> {
+    fn surface(&self, point: DVec3) -> Surface {
+        self.0.surface(point)
+    }
+    fn spring_force(&self, depth: f64) -> f64 {
+        self.0.spring_force(depth)
+    }
+    fn spring_energy(&self, depth: f64) -> f64 {
+        self.0.spring_energy(depth)
+    }
+    fn normal_force(&self, depth: f64, closing_speed: f64) -> f64 {
+        self.0.normal_force(depth, closing_speed)
+    }
+    fn motion(&self) -> Option<GroundMotion> {
+        self.1
+    }
+}
+
+/// A friction law without one or both kinds of resistance.
+struct Yielding<'a, F>(&'a F, Part);
+
+impl<F: SlidingFriction> SlidingFriction for Yielding<'_, F> {
+    fn force(&self, normal_force: f64, slip: DVec3) -> DVec3 {
+        self.0.force(normal_force, slip)
+    }
+    fn rolling_resistance(&self, normal_force: f64) -> Option<RollingResistance> {
+        let resistance = self.0.rolling_resistance(normal_force)?;
+        let (rolling, spinning) = match self.1 {
+            Part::RollingResistance => (0.0, resistance.spinning),
+            Part::SpinningResistance => (resistance.rolling, 0.0),
+            _ => return None,
+        };
+        Some(RollingResistance {
+            rolling,
+            spinning,
+            ..resistance
+        })
+    }
+}
+
+/// A method that forgets a part of each scene.
+struct Without<I>(I, Part);
+
+impl<I: Integrator> Integrator for Without<I> {
+    type Workspace = ();
+
+    fn step<D: Dynamics>(
+        &self,
+        scene: &D,
+        state: &mut State,
+        limit: f64,
+        (): &mut (),
+    ) -> Result<Step, StepError> {
+        let (body, ground, friction) = (scene.body(), scene.ground(), scene.friction());
+        let (force, acceleration) = (scene.force(), scene.gravity());
+        let gravity = UniformGravity { acceleration };
+        let (method, workspace) = (&self.0, &mut I::Workspace::default());
+        let motion = ground.motion().filter(|_| self.1 == Part::GroundRotation);
+        let motion = motion.map(|motion| GroundMotion::translation(motion.velocity));
+        match self.1 {
+            Part::Force => {
+                let scene = Scene::new(body, ground, friction, gravity).unwrap();
+                method.step(&scene, state, limit, workspace)
+            }
+            Part::Torque => {
+                let scene = Scene::new(body, ground, friction, gravity).unwrap();
+                let scene = scene.with_force(Central(force)).unwrap();
+                method.step(&scene, state, limit, workspace)
+            }
+            Part::GroundMotion | Part::GroundRotation => {
+                let ground = Moved(ground, motion);
+                let scene = Scene::new(body, ground, friction, gravity).unwrap();
+                let scene = scene.with_force(force).unwrap();
+                method.step(&scene, state, limit, workspace)
+            }
+            _ => {
+                let friction = Yielding(friction, self.1);
+                let scene = Scene::new(body, ground, friction, gravity).unwrap();
+                let scene = scene.with_force(force).unwrap();
+                method.step(&scene, state, limit, workspace)
+            }
+        }
+    }
+    fn order(&self) -> u32 {
+        self.0.order()
+    }
+    fn check(&self) -> Result<(), SceneError> {
+        self.0.check()
+    }
+}
+
+/// Checks that a method that forgets a part is found in the scene of that part.
+fn demand_found<I: Integrator + Copy>(method: I, parts: &[Part]) {
+    for &part in parts {
+        let place = match part {
+            Part::Force | Part::Torque => "a mount",
+            Part::GroundMotion | Part::GroundRotation => "a turntable",
+            _ => "resistance to rolling and spinning",
+        };
+        let plan = CheckPlan { seed: 4, cases: 20 };
+        let found = check_integrator(&Without(method, part), plan);
+        let violation = found.expect_err("a forgotten part");
+        assert_eq!(violation.requirement, Requirement::Motion, "{part:?}");
+        let Input::Step { scene, .. } = violation.input else {
+            panic!("{violation}");
+        };
+        assert!(scene.ends_with(place), "{part:?}: {violation}");
+    }
+}
+
+#[test]
+fn a_method_that_forgets_a_part_of_a_scene_is_found() {
+    let time_step = 1e-3;
+    let parts = [
+        Part::Force,
+        Part::Torque,
+        Part::GroundMotion,
+        Part::GroundRotation,
+        Part::Resistance,
+        Part::RollingResistance,
+        Part::SpinningResistance,
+    ];
+    demand_found(ForwardEuler { time_step }, &parts);
+    demand_found(Rk4 { time_step }, &parts);
+    demand_found(EnergyMomentum { time_step }, &parts);
+    demand_found(DormandPrince54::new(1e-2), &parts);
+}
+
+/// It must agree to a twentieth of the motion only.
+#[test]
+fn a_method_that_takes_shorter_steps_and_forgets_a_role_is_found() {
+    let parts = [Part::Force, Part::GroundMotion, Part::Resistance];
+    demand_found(BogackiShampine32::new(1e-9), &parts);
+    let plan = CheckPlan { seed: 4, cases: 20 };
+    let method = Without(BogackiShampine32::new(1e-9), Part::Resistance);
+    let violation = check_integrator(&method, plan).expect_err("a forgotten part");
+    assert!(violation.bound > 0.02, "{violation}");
 }
