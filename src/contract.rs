@@ -43,7 +43,7 @@
 //! | [`check_ground`] | a surface whose gap increases along its outward normal, as a distance does; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
 //! | [`check_friction`] | a force along the surface that opposes the slip and tends to 0 with it, and a Jacobian that is consistent with it |
 //! | [`check_force`] | finite, continuous; a passive force does no positive work; powers that add up |
-//! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order, with every role of a scene |
+//! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order, with every role of a scene; a stated fixed step that holds |
 //! | [`check_energy_never_rises`] | computed energy that never increases: among the built-in integrators only [`EnergyMomentum`](crate::EnergyMomentum), [`CompactEnergyMomentum`](crate::CompactEnergyMomentum) and [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) pass |
 
 mod body;
@@ -250,6 +250,9 @@ pub enum Requirement {
     /// Integrator: the duration of a step is at most the limit.
     #[error("a step must not exceed its limit")]
     KeepsToLimit,
+    /// Integrator: a step with a limit above the fixed step takes the fixed step.
+    #[error("a step must take the fixed step of the method if its limit is larger")]
+    FixedStep,
     /// Integrator: successive steps towards a time arrive at it.
     #[error("steps towards a time must arrive at it")]
     LandsOnLimit,

@@ -30,6 +30,9 @@ use crate::state::State;
 /// - A step succeeds and its result is finite.
 /// - A step takes more than 0 s, at most its limit, and exactly the time that it returns. Steps
 ///   towards a time arrive at it.
+/// - If the method states a [fixed step](Integrator::fixed_step), a step with a larger limit takes
+///   it. A method that [spans steps](Integrator::SPANS_STEPS) takes a whole number of them or its
+///   limit.
 /// - The same input gives the same bits, whatever steps of the same scene the workspace was used
 ///   for before. For [adaptive methods](Integrator::ADAPTIVE) this holds for a new workspace, for a
 ///   copy of the used one, and for one that was [cleared](Integrator::clear).
@@ -43,8 +46,8 @@ use crate::state::State;
 /// *Limits:*
 /// - A method that takes shorter steps than the limit can leave out a small effect, such as the
 ///   resistance to rolling alone.
-/// - A wrong [`fixed_step`](Integrator::fixed_step) or
-///   [`largest_stable_step`](Integrator::largest_stable_step) passes.
+/// - A fixed step above 10 s is not compared with the steps.
+/// - A wrong [`largest_stable_step`](Integrator::largest_stable_step) passes.
 ///
 /// ```
 /// use tumble::contract::{CheckPlan, check_integrator};
@@ -156,6 +159,10 @@ pub fn check_energy_never_rises<R: Real, I: Integrator<R>>(
 ///
 /// The first step of a flight in closed form spans many fixed steps.
 fn own_step<R: Real, I: Integrator<R>>(integrator: &I) -> Result<R, Violation> {
+    let fixed = integrator.fixed_step();
+    if let Some(fixed) = fixed {
+        error::above_zero("fixed step of the integrator", fixed, " s").map_err(cannot_be)?;
+    }
     let setup = Setup::flight(R::ONE).map_err(cannot_be)?;
     let attempt = Attempt {
         integrator,
@@ -164,11 +171,7 @@ fn own_step<R: Real, I: Integrator<R>>(integrator: &I) -> Result<R, Violation> {
     };
     let mut state = setup.start;
     let step = attempt.step(&mut state, R::ONE, 0, &mut I::Workspace::default())?;
-    let Some(fixed) = integrator.fixed_step() else {
-        return Ok(step.elapsed);
-    };
-    error::above_zero("fixed step of the integrator", fixed, " s").map_err(cannot_be)?;
-    Ok(fixed.at_most(step.elapsed))
+    Ok(step.elapsed.at_most(fixed.unwrap_or(R::MAX)))
 }
 
 struct Attempt<'a, R: Real, I, S> {
@@ -223,7 +226,29 @@ impl<R: Real, I: Integrator<R>, S: Dynamics<R>> Attempt<'_, R, I, S> {
         demand_at_most(step.elapsed, limit, Requirement::KeepsToLimit, input)?;
         let off = (x * x + y * y + z * z + w * w - R::ONE).abs();
         demand_at_most(off, ulps(16.0), Requirement::UnitOrientation, input)?;
+        self.keeps_fixed_step(step.elapsed, limit, input)?;
         Ok(step)
+    }
+
+    /// Checks that a step with a limit above the fixed step takes the fixed step. A method that
+    /// spans steps may take a whole number of them, or its limit.
+    fn keeps_fixed_step(
+        &self,
+        elapsed: R,
+        limit: R,
+        input: impl FnOnce() -> Input,
+    ) -> Result<(), Violation> {
+        let Some(fixed) = self.integrator.fixed_step().filter(|&fixed| fixed < limit) else {
+            return Ok(());
+        };
+        let steps = if I::SPANS_STEPS && elapsed < limit {
+            R::from_whole((elapsed / fixed + R::HALF).whole().into()).at_least(R::ONE)
+        } else {
+            R::ONE
+        };
+        let off = (elapsed - steps * fixed).abs();
+        let keeps = off <= elapsed * ulps(4.0) || I::SPANS_STEPS && elapsed >= limit;
+        demand(keeps, Requirement::FixedStep, elapsed, fixed, input)
     }
 
     /// Takes steps towards a time that is not a whole number of steps away.

@@ -156,6 +156,7 @@ fn a_path_that_is_not_velocity_times_time_is_found_beyond_the_rounding_of_both()
 }
 
 /// A method of a fixed step that states these numbers, whatever the inner one's are.
+#[derive(Clone, Copy)]
 struct Stated {
     inner: SymplecticEuler,
     order: u32,
@@ -230,6 +231,47 @@ fn the_energy_never_increases_with_the_compact_method_either() {
     let plan = CheckPlan { seed: 4, cases: 6 };
     let compact = CompactEnergyMomentum::<8> { time_step: 1e-2 };
     assert_eq!(check_energy_never_rises(&compact, plan), Ok(()));
+}
+
+#[test]
+fn a_fixed_step_other_than_that_of_the_steps_is_found() {
+    let found = |found: Result<(), Violation>| found.map_err(|violation| violation.requirement);
+    let plan = CheckPlan { seed: 4, cases: 20 };
+    for time_step in [1e-6, 1e-3, 0.7, 3.0] {
+        let inner = SymplecticEuler { time_step };
+        let check = |factor: f64| {
+            let method = Stated {
+                inner,
+                order: 1,
+                fixed_step: factor * time_step,
+            };
+            let bare = check_integrator(&method, plan);
+            [bare, check_integrator(&Flight(method), plan)].map(found)
+        };
+        assert_eq!(check(1.0), [Ok(()), Ok(())], "{time_step}");
+        let other = Err(Requirement::FixedStep);
+        // The whole steps of a method that spans steps may be two of those that it states.
+        assert_eq!(check(0.5), [other, Ok(())], "{time_step}");
+        for factor in [0.7, 1.0 - 1e-14, 1.0 + 1e-14, 2.0, 3.0] {
+            assert_eq!(check(factor), [other; 2], "{factor} {time_step}");
+        }
+    }
+}
+
+#[test]
+fn the_sentence_about_a_fixed_step_has_both_steps() {
+    let method = Stated {
+        inner: SymplecticEuler { time_step: 0.25 },
+        order: 1,
+        fixed_step: 0.5,
+    };
+    let violation = check_integrator(&method, CheckPlan::default()).expect_err("half the step");
+    let sentence = std::format!("{violation}");
+    assert!(sentence.contains("the fixed step"), "{sentence}");
+    assert!(
+        sentence.contains("got 2.5e-1, the bound is 5e-1"),
+        "{sentence}"
+    );
 }
 
 /// Error of `Rk4` in the scenes with one role each, from which the number of its steps follows.
