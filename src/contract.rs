@@ -43,7 +43,7 @@
 //! | [`check_ground`] | a surface whose gap increases along its outward normal, as a distance does; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
 //! | [`check_friction`] | a force along the surface that opposes the slip and tends to 0 with it, and a Jacobian that is consistent with it |
 //! | [`check_force`] | finite, continuous; a passive force does no positive work; powers that add up |
-//! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order, with every role of a scene; a stated fixed step that holds |
+//! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order, with every role of a scene; a stated fixed step and stability limit that hold |
 //! | [`check_energy_never_rises`] | computed energy that never increases: among the built-in integrators only [`EnergyMomentum`](crate::EnergyMomentum), [`CompactEnergyMomentum`](crate::CompactEnergyMomentum) and [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) pass |
 
 mod body;
@@ -54,6 +54,7 @@ mod integrator;
 mod plan;
 mod roles;
 mod scenes;
+mod stable_step;
 
 pub use body::check_body;
 pub use force::{ForceRange, check_force};
@@ -275,6 +276,9 @@ pub enum Requirement {
     /// Integrator: with shorter steps, the result tends to the motion of the scene.
     #[error("the result must tend to the motion of the scene")]
     Motion,
+    /// Integrator: a damped oscillator does not grow in steps below `largest_stable_step`.
+    #[error("an oscillator must not grow in steps below largest_stable_step")]
+    StableStep,
     /// Integrator: the computed energy after a step does not exceed the energy before it.
     #[error("the energy must not increase")]
     EnergyNeverRises,
@@ -372,6 +376,19 @@ pub enum Input {
         step: u32,
         /// Limit of the step, s.
         limit: f64,
+    },
+    /// Damped oscillator in steps of one size.
+    #[error(
+        "at a stiffness of {stiffness:e} 1/s² and a damping of {damping:e} 1/s \
+         in steps of {step:e} s"
+    )]
+    Oscillator {
+        /// Stiffness per mass, 1/s².
+        stiffness: f64,
+        /// Damping per mass, 1/s.
+        damping: f64,
+        /// Step size, s.
+        step: f64,
     },
 }
 

@@ -9,7 +9,7 @@ use crate::gravity::UniformGravity;
 use crate::ground::{FlatGround, GroundMotion, MovingGround};
 use crate::real::{Real, Vector};
 use crate::scene::Scene;
-use crate::state::Motion;
+use crate::state::{Motion, State};
 
 /// Scene that can have all roles.
 pub(super) type FullScene<R> = Scene<
@@ -142,6 +142,33 @@ pub(super) fn with_each_role<R: Real>(
         ),
     ]
     .map(|(name, parameters, roles)| compose(name, &parameters, &roles, time_step))
+}
+
+/// Oscillator `y'' + damping y' + stiffness y = 0`: a box on a mount at its centre, high above the
+/// ground.
+///
+/// The stiffness is in 1/s² and the damping in 1/s. The start has a deflection along x, a velocity
+/// along y, and both along z. A deflection of 1 m goes with a velocity of 1 m per `time` (s).
+pub(super) fn oscillator<R: Real>(
+    stiffness: R,
+    damping: R,
+    time: R,
+) -> Result<Setup<R, FullScene<R>>, SceneError> {
+    let parameters = Parameters {
+        level: R::from_f64(-1e9),
+        start: State::at(v::<R>(1.0, 0.0, 0.6)).with_linear_velocity(v::<R>(0.0, 1.0, 0.8)),
+        ..Parameters::flight()
+    };
+    let none = Roles::none();
+    let roles = Roles {
+        mount: Mount {
+            stiffness: stiffness * time * time,
+            damping: damping * time,
+            ..none.mount
+        },
+        ..none
+    };
+    compose("an oscillator", &parameters, &roles, time)
 }
 
 fn compose<R: Real>(

@@ -5,7 +5,6 @@ use crate::body::RigidPointBody;
 use crate::ground::SpringDamperGround;
 use crate::integrator::{Integrator, Rk4};
 use crate::scene::Dynamics;
-use crate::state::State;
 use glam::DVec3;
 
 const TIME_STEP: f64 = 0.01;
@@ -58,4 +57,19 @@ fn each_scene_has_one_role() {
     });
     let [mounted, moving, resisting] = [0, 1, 2].map(|role| [0, 1, 2].map(|other| role == other));
     assert_eq!(roles, [mounted, mounted, moving, resisting]);
+}
+
+#[test]
+fn the_oscillator_has_its_stiffness_and_damping_along_all_axes_and_no_torque() {
+    let (stiffness, damping) = (3e4, 70.0);
+    let setup = oscillator::<f64>(stiffness, damping, 2e-3).unwrap();
+    let start = setup.start;
+    assert!(start.position.cross(start.linear_velocity).length() > 1.0);
+    let motion = setup.scene.motion(&start);
+    let load = setup.scene.load(&motion);
+    let expected = -start.position * stiffness - start.linear_velocity * damping;
+    assert!((load.force - expected).length() < 1e-12 * expected.length());
+    assert_eq!(load.torque, DVec3::ZERO);
+    assert_eq!(setup.scene.gravity(), DVec3::ZERO);
+    assert!((setup.scene.body().mass() - 1.0).abs() < 1e-15);
 }
