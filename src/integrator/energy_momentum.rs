@@ -160,8 +160,8 @@ pub use workspace::Workspace;
 ///   the average is two to five iterations a step, also where several contacts or a round rim
 ///   stick. Bodies that spin flat on several points, rims that roll with small slip at two points
 ///   close together, and bodies on a ground that rotates can take up to nine. In `f32` the same
-///   holds down to 1e-7 m/s, for a body that hardly moves ([limits](#single-precision)). A rare step
-///   finds no stick and is divided. A body on a slope α then moves by up to `g sin α dt²/2`.
+///   holds down to 1e-7 m/s, for a body that hardly moves ([limits](#single-precision)). A rare
+///   step finds no stick and is divided. A body on a slope α then moves by up to `g sin α dt²/2`.
 /// - *Dampers and friction of any size* stop a body that falls on them. A body that starts in the
 ///   ground on dampers with `dt c/m` above 1e4 may move as if they were weaker: sink at up to
 ///   `g dt`, or leave a compressed spring at a part of a free spring's speed. A resistance `c` with

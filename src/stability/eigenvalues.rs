@@ -5,6 +5,8 @@
 //! 4th edition, section 7.5). The numbers are always f64: in single precision, rounding would hide
 //! a weak damping.
 
+use crate::real::Real;
+
 /// Steps of the QR method for each row. Two or three for each eigenvalue are usual.
 const MOST_STEPS: usize = 30;
 /// Steps of the QR method without a new block after which other shifts are taken.
@@ -140,7 +142,7 @@ fn add(to: &mut [f64], factor: f64, other: &[f64]) {
 }
 
 pub(super) fn length(vector: &[f64]) -> f64 {
-    vector.iter().map(|value| value * value).sum::<f64>().sqrt()
+    Real::sqrt(vector.iter().map(|value| value * value).sum::<f64>())
 }
 
 /// Calls `see` with the eigenvalues of two rows.
@@ -149,11 +151,11 @@ fn see_pair([[a, b], [c, d]]: [[f64; 2]; 2], see: &mut impl FnMut([f64; 2])) {
     let coupling = b * c;
     let square = half * half + coupling;
     if square < 0.0 {
-        see([d + half, (-square).sqrt()]);
+        see([d + half, Real::sqrt(-square)]);
         return;
     }
     // Without cancellation: the one that is farther from d, and the other by their product.
-    let root = square.sqrt();
+    let root = Real::sqrt(square);
     let far = half + if half < 0.0 { -root } else { root };
     let near = if far == 0.0 { 0.0 } else { -coupling / far };
     see([d + far, 0.0]);

@@ -36,7 +36,7 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    /// Looks at the modes that do not grow and are not slow. A mode whose damping is rounding has none.
+    /// Looks at the modes that neither grow nor are slow. If a damping is rounding, there is none.
     pub(super) fn of<R: Real>(motion: &LinearMotion, limit: &impl Fn(R, R) -> Option<R>) -> Self {
         let mut modes = Self {
             limit: f64::INFINITY,

@@ -75,9 +75,9 @@ use stages::{Equations, Increments, NODES, STAGES, Solution, WEIGHTS, difference
 ///   for tolerances from 1e-4 to 1e-8 m and a slip speed of 1e-3 m/s. In trials 1, 3, 5 and 8 the
 ///   same holds at 1e-6 m/s. It is mostly 0.1 to 2 tolerances (`tests/physics/radau.rs` prints it).
 ///   After longer times it depends on how the motion amplifies it.
-/// - *Cost:* 5 to 30 force evaluations per attempted step in contact and 1 in free flight, with the Jacobian and linear equations
-///   of six real and six complex unknowns. Where neither friction nor the ground is stiff, an
-///   explicit pair costs less.
+/// - *Cost:* 5 to 30 force evaluations per attempted step in contact and 1 in free flight, with the
+///   Jacobian and linear equations of six real and six complex unknowns. Where neither friction nor
+///   the ground is stiff, an explicit pair costs less.
 /// - *Fast spin in air:* under an applied force, each step has an error of its rotation. These add
 ///   up, so that the error of a run is many tolerances if the body rotates many times. Use a
 ///   hundredth of the error as the tolerance there, or
