@@ -248,6 +248,26 @@ fn a_rolling_ball_that_sticks_is_told_to_take_an_implicit_step() {
         .unwrap();
     implicit.advance(&mut state, 1.0).unwrap();
     assert!((state.position.x - 1.0).abs() < 1e-3, "{state:?}");
+
+    // A tolerance far above the slip speed times 1 s lets the contact slip to and fro in longer
+    // steps.
+    fn steps(scene: &Stepper<'_>, start: State, method: impl Integrator) -> u64 {
+        let scene = scene.with_integrator(method).unwrap();
+        let mut session = scene.session(start);
+        session.advance(1.0).unwrap();
+        let error = session.state().position.x - 1.0;
+        assert!(error.abs() < 1e-3, "{error:e} m");
+        session.step_count()
+    }
+    let loose = [
+        steps(&scene, start, BogackiShampine32::new(1e-3)),
+        steps(&scene, start, DormandPrince54::new(1e-3)),
+    ];
+    let bound = 1.0 / (2.0 * limit);
+    assert!(
+        loose.iter().all(|&steps| (steps as f64) < bound / 20.0),
+        "{loose:?}, not {bound}"
+    );
 }
 
 /// Evaluations of the forces for a quarter of a second.

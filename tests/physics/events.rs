@@ -880,6 +880,41 @@ fn a_dense_step_starts_at_the_time_of_the_session() {
     }
 }
 
+/// The value changes twice within a step, which its slopes beside the samples show. A value that is
+/// NaN beside a sample would hide both.
+#[test]
+fn an_event_that_is_nan_beside_a_sample_is_a_typed_error() {
+    let stepper = ball(
+        FlatGround::level(1e4, 0.0),
+        EnergyMomentum { time_step: 1e-3 },
+    );
+    let twice = |sample: &Sample<'_>| (sample.time - 4.4e-3).powi(2) - 1e-8;
+    let run = |event: &dyn Event| {
+        let mut session = stepper.session(State::at(DVec3::Z));
+        session
+            .run_until_event(1.0, [event])
+            .map(|_| session.time())
+    };
+    assert!((run(&twice).unwrap() - 4.3e-3).abs() < 1e-9);
+    let is_beside = |time: f64| {
+        let steps = time * 1e3;
+        let off = (steps - steps.round()).abs();
+        off > 1e-6 && off <= 1.0 / 256.0
+    };
+    let holed = |sample: &Sample<'_>| {
+        if is_beside(sample.time) {
+            f64::NAN
+        } else {
+            twice(sample)
+        }
+    };
+    let error = run(&holed).unwrap_err();
+    assert!(
+        matches!(error, StepError::BadEvent { event: 0, .. }),
+        "{error:?}"
+    );
+}
+
 /// Invalid events are errors, and the last state stays.
 #[test]
 fn an_invalid_event_is_a_typed_error() {
