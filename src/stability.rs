@@ -25,7 +25,7 @@
 //! for the motion if it is stable for the oscillator `y'' + δ y' + κ y = 0` of each pair of
 //! eigenvalues λ, with `κ = |λ|²` and `δ = -2 Re λ` (`modes`). This holds for any K and C, also
 //! where sliding on several contacts makes the frequencies complex. A motion that grows by itself
-//! has no stable step and is left out.
+//! has no stable step. It is left out if it grows by more than a tenth per rad.
 //!
 //! The other methods do not multiply by a function of `h λ` if K and C have different eigenvectors,
 //! or complex frequencies. A step of such a method is a linear function of the coordinates and
@@ -73,8 +73,11 @@ pub(crate) fn largest_stable_step<R: Real>(
     let motion = LinearMotion::of(&Response::at(scene, state))?;
     let modes = Modes::of(&motion, &limit);
     let steps_by_modes = step(&motion, [[0.0; 6]; 2], 1.0).is_none();
-    if steps_by_modes || modes.limit == f64::INFINITY {
+    if steps_by_modes {
         return motion.seconds(modes.limit);
+    }
+    if modes.scale == f64::INFINITY {
+        return None;
     }
     let amplification = Amplification::new(&motion, &modes, |start, size| {
         step(&motion, start, size).unwrap_or(start)

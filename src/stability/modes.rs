@@ -11,6 +11,8 @@ use crate::real::Real;
 /// Frequency below which a mode may be rounding of one without a frequency, in the unit of
 /// frequency.
 const SLOWEST: f64 = 1e-3;
+/// Growth of a mode, relative to its rate, up to which it counts as an oscillation without damping.
+const FLUTTER: f64 = 0.1;
 /// Frequency below which a mode is taken for a free motion, in the unit of frequency and in f64. A
 /// chain of four derivatives with rounding has `ε^(1/4)`, 1.2e-4.
 const FREE: f64 = 2e-4;
@@ -36,7 +38,8 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    /// Looks at the modes that neither grow nor are slow. If a damping is rounding, there is none.
+    /// Looks at the modes that are not slow and that grow by little. If a damping is rounding, there
+    /// is none.
     pub(super) fn of<R: Real>(motion: &LinearMotion, limit: &impl Fn(R, R) -> Option<R>) -> Self {
         let mut modes = Self {
             limit: f64::INFINITY,
@@ -54,9 +57,8 @@ impl Modes {
             }
             if re > 0.5 * motion.rounding {
                 modes.growth = modes.growth.max(re);
-                return;
             }
-            if rate < SLOWEST {
+            if rate < SLOWEST || re > FLUTTER * rate {
                 return;
             }
             let [stiffness, damping] = if im > 0.0 {
@@ -69,7 +71,13 @@ impl Modes {
             } else {
                 0.0
             };
-            modes.see(rate, motion.limit_of([stiffness, damping], limit));
+            let limit = motion.limit_of([stiffness, damping], limit);
+            if re > 0.5 * motion.rounding && limit == 0.0 {
+                // Only damping makes a step of the method stable, and the motion has none.
+                modes.scale = modes.scale.min(RESOLVED / rate);
+                return;
+            }
+            modes.see(rate, limit);
         });
         modes
     }
@@ -168,7 +176,7 @@ mod tests {
     /// and one grows, which is left out.
     #[test]
     fn a_pair_of_complex_stiffnesses_is_a_mode_that_decays_and_one_that_grows() {
-        let e = 0.2;
+        let e = 0.5;
         let mut stiffness = diagonal([1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
         stiffness[0][1] = -e;
         stiffness[1][0] = e;
@@ -204,5 +212,24 @@ mod tests {
                 assert_relative_eq!(damping, scale.sqrt(), max_relative = 1e-12);
             }
         }
+    }
+
+    /// As above, with a growth of 1e-3 of the rate: an oscillation that bounds the step, as if it
+    /// had no damping.
+    #[test]
+    fn a_mode_that_grows_by_little_is_an_oscillation() {
+        let mut stiffness = diagonal([1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+        stiffness[0][1] = -2e-3;
+        stiffness[1][0] = 2e-3;
+        let found = modes(&stiffness, &[[0.0; 6]; 6]);
+        assert_eq!(found.len(), 2);
+        let mut dampings = [0.0; 2];
+        for ([stiffness, damping], place) in found.iter().zip(&mut dampings) {
+            assert_relative_eq!(*stiffness, 1.0, max_relative = 1e-5);
+            *place = *damping;
+        }
+        let [least, most] = [dampings[0].min(dampings[1]), dampings[0].max(dampings[1])];
+        assert_eq!(least, 0.0);
+        assert_relative_eq!(most, 2e-3, epsilon = 1e-8);
     }
 }
