@@ -280,10 +280,12 @@ proptest! {
             if own < 1.0006 {
                 let below = factor(0.97 * limit);
                 prop_assert!(below < 1.0006, "{method}: grows by {below} below {limit:e} s");
-                // Explicit Euler amplifies a motion with weak damping by little.
-                let part = if method == "ForwardEuler" { 2.0 } else { 1.1 };
-                let above = factor(part * limit);
-                prop_assert!(above > 1.0006, "{method}: {above} above {limit:e} s");
+                // A method may be stable again a little above the limit, and `ForwardEuler`
+                // amplifies a motion with weak damping by little.
+                let parts = [1.01, 1.03, 1.1, 1.2, 1.5, 2.0, 3.0];
+                let grows = |&part: &f64| factor(part * limit) > 1.0006;
+                let from = parts.into_iter().find(grows).unwrap_or(f64::INFINITY);
+                prop_assert!(from <= 2.0, "{method}: grows from {from} of {limit:e} s only");
             }
         });
     }
