@@ -43,7 +43,7 @@
 //! | [`check_ground`] | a surface whose gap increases along its outward normal, as a distance does; a force that never pulls; springs that return what they stored; dampers that only dissipate; a mean force and bounds that are consistent with them |
 //! | [`check_friction`] | a force along the surface that opposes the slip and tends to 0 with it, and a Jacobian that is consistent with it |
 //! | [`check_force`] | finite, continuous; a passive force does no positive work; powers that add up |
-//! | [`check_integrator`] | steps that respect their limit, arrive at it, give the same bits each time, keep the orientation normalised, and converge at the stated order, with every role of a scene; a stated fixed step and stability limit that hold |
+//! | [`check_integrator`] | steps within their limit; equal bits; order, stability; every role |
 //! | [`check_energy_never_rises`] | computed energy that never increases: among the built-in integrators only [`EnergyMomentum`](crate::EnergyMomentum), [`CompactEnergyMomentum`](crate::CompactEnergyMomentum) and [`AdaptiveEnergyMomentum`](crate::AdaptiveEnergyMomentum) pass |
 
 mod body;

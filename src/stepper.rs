@@ -432,8 +432,9 @@ where
     /// * For an integrator of your own that is neither a Runge-Kutta method nor has a
     ///   [`linear_step`](crate::Integrator::linear_step), the bound can be too long.
     /// * A motion that grows by itself has no bound, such as a fall from a balance, or the flutter
-    ///   of a body that slides. An oscillation that grows by less than a tenth per rad is bounded as
-    ///   one without damping. A motion a thousand times slower than the fastest has no bound.
+    ///   of a body that slides. An oscillation that grows by less than a tenth per rad is bounded
+    ///   as one without damping. For [`ForwardEuler`](crate::ForwardEuler) it has no bound. Neither
+    ///   has a motion a thousand times slower than the fastest.
     /// * A force that rotates the velocity at a rate ω, as lift or a magnetic force does, bounds
     ///   [`Rk4`](crate::Rk4) and [`Nystrom`](crate::Nystrom) by `2.83/ω`. The other explicit
     ///   methods have no stable step under it. In each step of size h,

@@ -38,8 +38,8 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    /// Looks at the modes that are not slow and that grow by little. If a damping is rounding, there
-    /// is none.
+    /// Looks at the modes that are not slow and that grow by little. A damping that is rounding
+    /// counts as none.
     pub(super) fn of<R: Real>(motion: &LinearMotion, limit: &impl Fn(R, R) -> Option<R>) -> Self {
         let mut modes = Self {
             limit: f64::INFINITY,
